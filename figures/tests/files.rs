@@ -147,6 +147,45 @@ fn screen_space() {
 }
 
 #[test]
+fn motion() {
+    let path = |path: &str, contender: &str, lag: &str| {
+        format!(
+            r#"{{"adapter": "GPU", "size": [64, 32], "subject": "reflections", "contender": "{contender}", "path": "{path}",
+            "frames": [1, 2], "rmse": [0.25, 0.5], "rest": [0.25, 0.25], "flip": [0.125, 0.25], "flicker": 0.5,
+            "flicker_at_rest": 0, "trail": 3, "lag": {lag}}}"#
+        )
+    };
+    let paths = [
+        path("walk", "lean", "null"),
+        path("lamp", "lean", "5"),
+        path("walk", "Bevy's SSR + TAA", "null"),
+    ];
+    let lamp = |roughness: &str| {
+        format!(
+            r#"{{"adapter": "GPU", "size": [64, 32], "subject": "reflections", "contender": "lean", "light": 200,
+            "roughness": {roughness}, "frames": 32, "rmse": 0.125, "bias": -0.25, "rotation": 12}}"#
+        )
+    };
+    let json = format!(
+        r#"{{"paths": [{}], "lamps": [{}, {}]}}"#,
+        paths.join(","),
+        lamp("0.3"),
+        lamp("null")
+    );
+    has_rows(
+        &read("motion.json", &json),
+        &[
+            "**64×32**, reflections\n",
+            "| walk | lean | 0.3750 | 0.5000 | 0.2500 | 1.50 | 0.1875 | 0.2500 | 0.5000 | 0.0000 | 3 | – |\n| walk | Bevy's SSR + TAA |",
+            "| 0.0000 | 3 | 5 |",
+            "**64×32**, reflections, beneath a lamp",
+            "| 0.3 | 200 | lean | 32 | 0.125 (-0.250) | 12.00 |",
+            "| diffuse | 200 | lean |",
+        ],
+    );
+}
+
+#[test]
 fn auto_exposure() {
     let bench = read(
         "auto_exposure.json",

@@ -126,7 +126,8 @@ pub fn look_at_once(headless: &mut Headless) -> Seen {
     seen(headless, light)
 }
 
-fn seen(headless: &mut Headless, light: Light) -> Seen {
+/// `light` as seen by the single camera, whose rays are those of the last frame.
+pub fn seen(headless: &mut Headless, light: Light) -> Seen {
     let world = headless.world();
     let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
     let (camera, transform) = cameras.single(world).expect("one camera");
@@ -140,6 +141,21 @@ fn seen(headless: &mut Headless, light: Light) -> Seen {
         })
         .collect();
     Seen { light, rays }
+}
+
+/// Light at `place`, interpolated between four pixels. `None` outside the picture.
+pub fn light_at(headless: &mut Headless, seen: &Seen, place: Vec3) -> Option<f32> {
+    let world = headless.world();
+    let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
+    let (camera, transform) = cameras.single(world).ok()?;
+    let at = camera.world_to_viewport(transform, place).ok()? - 0.5;
+    let (first, along) = (at.floor(), at.fract());
+    if first.cmplt(Vec2::ZERO).any() || (first + 1.0).cmpge(seen.light.size.as_vec2()).any() {
+        return None;
+    }
+    let pixel = |x: f32, y: f32| seen.at((first + Vec2::new(x, y)).as_uvec2());
+    let row = |y| pixel(0.0, y).lerp(pixel(1.0, y), along.x);
+    Some(row(0.0).lerp(row(1.0), along.y))
 }
 
 /// Builds a scene and looks at it after `frames` frames.

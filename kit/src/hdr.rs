@@ -1,26 +1,32 @@
-//! The light of a picture before post-processing, as half floats.
+//! The light of a picture as half floats, before or after post-processing.
 
 use bevy::{
     core_pipeline::{
         core_3d::main_transparent_pass_3d,
         schedule::{Core3d, Core3dSystems},
+        tonemapping::{DebandDither, Tonemapping},
     },
     prelude::*,
     render::{
         RenderApp,
+        render_asset::RenderAssets,
         render_resource::{
             Extent3d, Texture, TextureDataOrder, TextureDescriptor, TextureDimension,
             TextureFormat, TextureUsages, TextureView,
         },
         renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery},
         sync_world::RenderEntity,
+        texture::GpuImage,
         view::{ExtractedView, ViewTarget},
     },
 };
 use bevy_lean_deferred::effects::DebugViewPasses;
 use half::f16;
 
-use crate::{headless::Headless, lean::begin_phase};
+use crate::{
+    headless::{Headless, target_image_of},
+    lean::begin_phase,
+};
 
 /// Linear, exposed light; four channels per pixel.
 #[derive(Clone, PartialEq)]
@@ -47,6 +53,27 @@ pub fn read_light(headless: &Headless, texture: &Texture) -> Light {
         size: UVec2::new(texture.width(), texture.height()),
         texels: channels.as_chunks::<4>().0.to_vec(),
     }
+}
+
+/// An app whose target has half floats.
+pub fn light_target_app(size: UVec2) -> Headless {
+    let mut headless = Headless::new(size);
+    let target = target_image_of(size, TextureFormat::Rgba16Float);
+    headless.target = headless.world().resource_mut::<Assets<Image>>().add(target);
+    headless
+}
+
+/// Stops a camera from changing the colours of its light, and from dithering them.
+pub fn keep_colors(camera: &mut EntityWorldMut) {
+    camera.insert((Tonemapping::None, DebandDither::Disabled));
+}
+
+/// Light in the target of a [`light_target_app`] after the last frame: after TAA, with [`keep_colors`] linear.
+pub fn target_light(headless: &Headless) -> Light {
+    let render_world = headless.app.sub_app(RenderApp).world();
+    let images = render_world.resource::<RenderAssets<GpuImage>>();
+    let image = images.get(&headless.target).expect("the target is there");
+    read_light(headless, &image.texture)
 }
 
 /// Applies `change` to all views of 3D cameras in the render world. A camera has one from its first frame on.

@@ -6,6 +6,7 @@
 )]
 
 pub mod analytic_balls;
+pub mod analytic_lamps;
 pub mod analytic_light;
 pub mod analytic_mirrors;
 pub mod analytic_slabs;
@@ -25,6 +26,7 @@ pub mod headless;
 pub mod lean;
 pub mod log_watch;
 pub mod metrics;
+pub mod motion;
 pub mod occlusion;
 pub mod occlusion_gpu;
 pub mod own_process;

@@ -4,6 +4,7 @@ mod apps;
 mod bounds;
 mod diffuse_gi;
 mod energy;
+mod film;
 mod hard_cases;
 mod hostile;
 mod mirrors;

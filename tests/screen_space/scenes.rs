@@ -9,6 +9,7 @@ use bevy_lean_deferred::{
     effects::{LeanScreenSpaceGiAdvanced, LeanScreenSpaceReflectionsAdvanced},
     prelude::*,
 };
+pub use kit::analytic_light::light_at;
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
@@ -178,19 +179,4 @@ pub fn step(headless: &mut Headless, count: usize) -> Seen {
         seen = Some(look_at_once(headless));
     }
     seen.expect("frames were seen")
-}
-
-/// Light at `place`, interpolated between four pixels. `None` outside the picture.
-pub fn light_at(headless: &mut Headless, seen: &Seen, place: Vec3) -> Option<f32> {
-    let world = headless.world();
-    let mut cameras = world.query::<(&Camera, &GlobalTransform)>();
-    let (camera, transform) = cameras.single(world).ok()?;
-    let at = camera.world_to_viewport(transform, place).ok()? - 0.5;
-    let (first, along) = (at.floor(), at.fract());
-    if first.cmplt(Vec2::ZERO).any() || (first + 1.0).cmpge(seen.light.size.as_vec2()).any() {
-        return None;
-    }
-    let pixel = |x: f32, y: f32| seen.at((first + Vec2::new(x, y)).as_uvec2());
-    let row = |y| pixel(0.0, y).lerp(pixel(1.0, y), along.x);
-    Some(row(0.0).lerp(row(1.0), along.y))
 }

@@ -5,6 +5,7 @@ pub mod auto_exposure;
 pub mod frame_times;
 pub mod light_scaling;
 pub mod many_meshes;
+pub mod motion;
 pub mod screen_space;
 pub mod stutter;
 
@@ -17,6 +18,7 @@ pub use auto_exposure::AutoExposure;
 pub use frame_times::FrameTimes;
 pub use light_scaling::LightScaling;
 pub use many_meshes::ManyMeshes;
+pub use motion::Motion;
 pub use screen_space::ScreenSpace;
 pub use stutter::Stutter;
 
@@ -100,6 +102,7 @@ benches! {
     frame_times FrameTimes,
     ambient_occlusion AmbientOcclusion,
     screen_space ScreenSpace,
+    motion Motion,
     auto_exposure AutoExposure,
     light_scaling LightScaling,
     many_meshes ManyMeshes,

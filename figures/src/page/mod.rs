@@ -35,6 +35,10 @@ fn heading(bench: &str) -> (&'static str, &'static str) {
             "Diffuse GI, reflections, scattering",
             "Errors are to what is known of small scenes, in closed form or by integrals.",
         ),
+        "motion" => (
+            "Motion",
+            "Reflections and GI while the camera and things move, beside Bevy's, and beneath small bright lamps.",
+        ),
         "auto_exposure" => (
             "Auto exposure",
             "Errors are to the mean in double precision. Those below 1e-9 are shown as that.",

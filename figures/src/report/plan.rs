@@ -93,6 +93,11 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                 240.0,
             ),
             step(
+                "motion",
+                &["--quick", "--no-lamps", "--path", "walk,lamp"],
+                200.0,
+            ),
+            step(
                 "auto_exposure",
                 &[
                     "--size",
@@ -151,6 +156,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
             ),
             step("ambient_occlusion", &[], 300.0),
             step("screen_space", &[], 240.0),
+            step("motion", &[], 900.0),
             step("auto_exposure", &[], 60.0),
             step(
                 "light_scaling",
