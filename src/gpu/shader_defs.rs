@@ -10,6 +10,7 @@ pub(crate) fn of_table(
     set.map(|(_, name)| name.into())
 }
 
+/// The name of a definition.
 pub fn name_of(definition: &ShaderDefVal) -> &str {
     match definition {
         ShaderDefVal::Bool(name, _) | ShaderDefVal::Int(name, _) | ShaderDefVal::UInt(name, _) => {
