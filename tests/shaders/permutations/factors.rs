@@ -196,12 +196,6 @@ pub const OCCLUSION_MERGE: &[Factor] = &[OCCLUSION_FILTERS];
 /// Definitions of the debug view of ambient occlusion.
 pub const OCCLUSION_DEBUG_VIEW: &[Factor] = &[OCCLUSION_FILTERS];
 
-const PROJECTIONS: Factor = &[
-    &["VIEW_PROJECTION_NONSTANDARD"],
-    &["VIEW_PROJECTION_PERSPECTIVE"],
-    &["VIEW_PROJECTION_ORTHOGRAPHIC"],
-];
-
 /// Definitions of Bevy's `PrepassPipeline` and `StandardMaterial` for a mesh that the G-buffer carries. (A second UV set without a first is
 /// missing: Bevy's own `pbr_fragment.wgsl` does not compile with it.)
 pub const GBUFFER: &[Factor] = &[
