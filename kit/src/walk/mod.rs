@@ -15,14 +15,16 @@ use bevy::{
         render_resource::{PipelineCache, PipelineDescriptor},
     },
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, gbuffer::ForwardReason, prelude::*};
+use bevy_lean_deferred::{
+    LeanDeferredPlugins, gbuffer::ForwardReason, lighting::CompiledLighting, prelude::*,
+};
 
 pub use features::{FEATURES, Feature};
 
 use crate::{
     device::render_plugin,
     headless::{Headless, small_shadow_maps},
-    lean::{active_lean_views, follows_last_frame},
+    lean::{active_lean_views, compile_lighting, follows_last_frame},
     renderer::Renderer,
     scenes::{SceneBuilder, build::ambient},
 };
@@ -95,6 +97,10 @@ impl Walk {
         }
         let mut headless = Headless::from_app(size, app, |app| {
             small_shadow_maps(app);
+            if renderer == Renderer::Lean {
+                // As apps do by default, and tests do not.
+                compile_lighting(app, CompiledLighting::All);
+            }
             if renderer == Renderer::BevyDeferred {
                 app.insert_resource(DefaultOpaqueRendererMethod::deferred());
             }
@@ -151,12 +157,12 @@ impl Walk {
 
     /// Walks one frame.
     pub fn step(&mut self) {
+        self.frames += 1;
         self.place();
         self.headless.frame();
-        self.frames += 1;
     }
 
-    /// Places the camera and the ball where they are in the next frame.
+    /// Places the camera and the ball where they are in this frame.
     fn place(&mut self) {
         let time = self.frames as f32;
         let turn = Quat::from_euler(EulerRot::YXZ, 0.15 * (0.05 * time).sin(), -0.15, 0.0);
