@@ -170,7 +170,7 @@ pub(in crate::effects) fn prepare_histories(
         (
             Entity,
             (&ExtractedView, &ExtractedCamera),
-            &Msaa,
+            (&Msaa, Has<Camera3d>),
             Option<&MainPassResolutionOverride>,
             Option<&CameraCuts>,
             Option<&mut ViewHistory>,
@@ -181,9 +181,9 @@ pub(in crate::effects) fn prepare_histories(
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
-    for (entity, (view, camera), msaa, resolution, cuts, history) in &mut views {
-        // Multisampled depth cannot be resolved.
-        if msaa.samples() != 1 {
+    for (entity, (view, camera), (msaa, is_3d), resolution, cuts, history) in &mut views {
+        // Multisampled depth cannot be resolved, and the depth of 2D cameras cannot be sampled.
+        if msaa.samples() != 1 || !is_3d {
             commands.entity(entity).remove::<ViewHistory>();
             continue;
         }
