@@ -113,7 +113,10 @@ use ::bevy::{
             prepare_core_3d_depth_textures,
         },
         mip_generation::experimental::depth::early_downsample_depth,
-        prepass::node::{early_prepass, late_prepass},
+        prepass::{
+            BackgroundMotionVectorsPipelineId, MotionVectorPrepass,
+            node::{early_prepass, late_prepass},
+        },
         schedule::{Core3d, Core3dSystems},
     },
     pbr::{
@@ -172,6 +175,8 @@ impl Plugin for GBufferPlugin {
             |textures| GBufferUsage::of(textures).bytes(),
         );
         removal::remove_with::<LeanDeferred, (GBufferTextures, ViewMotionResolve)>(render_app);
+        // Bevy 0.19 keeps it, and draws with it into a later prepass that has no motion vectors, which ends the app.
+        removal::remove_with::<MotionVectorPrepass, BackgroundMotionVectorsPipelineId>(render_app);
         render_app
             .init_resource::<mesh_overrides::MeshOverrides>()
             .init_resource::<mesh_overrides::ChangedMeshes>()

@@ -24,7 +24,7 @@ use kit::{
     own_process::in_own_process,
 };
 
-use super::{SIZE, SMALL, active_view, move_all, shift_movers, still_and_moving, taa};
+use super::{SIZE, SMALL, active_view, move_all, shift_movers, still_and_moving, taa, turn_camera};
 
 type Taa = (
     TemporalAntiAliasing,
@@ -81,6 +81,26 @@ fn targets_come_and_go() {
 
         set_lean(&mut headless, false);
         assert!(run(&mut headless, 3).0.is_none());
+        log_watch::assert_validation_layer_silent();
+    });
+}
+
+/// Without this crate, Bevy 0.19 ends the app.
+#[test]
+fn motion_vectors_may_go_while_depth_stays() {
+    in_own_process(|| {
+        let mut headless = build(SMALL, |s| {
+            still_and_moving(s, (DepthPrepass, MotionVectorPrepass));
+        });
+        set_lean(&mut headless, true);
+        headless.settle();
+        change_cameras(&mut headless, |camera| {
+            camera.remove::<MotionVectorPrepass>();
+        });
+        headless.settle();
+        let before = headless.capture();
+        turn_camera(headless.world(), 1.0);
+        assert!(headless.capture() != before, "no frame is drawn");
         log_watch::assert_validation_layer_silent();
     });
 }
