@@ -3,7 +3,7 @@
 //!
 //! A view keeps its targets until the pipelines are compiled that draw its meshes with other ones: no mesh leaves the
 //! G-buffer because a target comes or goes. Pipelines are requested for targets that come. Targets that go are kept
-//! while that would need new pipelines.
+//! while that would need new pipelines, until others come.
 
 use core::mem::replace;
 
@@ -117,16 +117,20 @@ impl ViewDemand {
     }
 
     /// The targets that a view with those of `view` should have instead: more if its meshes need more, or else fewer if
-    /// none has needed some of them for a while.
+    /// none has needed some of them for a while. Each set has pipelines of its own: a view that gets targets releases
+    /// others with them, and a set for which pipelines are compiled is kept while it has all that is needed.
     pub(super) fn next_targets(&self, view: &ActiveLeanView) -> Option<GBufferTargets> {
         let useful = self.useful | view.useful_targets();
         let needed = union(self.counts.keys()).targets & useful;
-        if !view.targets.contains(needed) {
-            return Some(view.targets | needed);
-        }
         let recent = union(self.lingering.keys()).targets & useful;
-        let kept = view.targets & (recent | needed);
-        (kept != view.targets && self.kept_for == 0).then_some(kept)
+        let least = (view.targets & recent) | needed;
+        if view.targets.contains(needed) {
+            return (least != view.targets && self.kept_for == 0).then_some(least);
+        }
+        let prepared = self.next.as_ref().map(|next| next.targets);
+        let most = view.targets | needed;
+        let fits = |targets: &GBufferTargets| targets.contains(least) && most.contains(*targets);
+        prepared.filter(fits).or(Some(least))
     }
 
     /// Keeps the present targets for a while, because meshes have no pipelines for fewer.
