@@ -6,38 +6,55 @@ use bevy::render::render_resource::PipelineCache;
 
 use super::inputs::RequestedViewItem;
 use crate::{
+    gbuffer::WantedDemand,
     lighting::{CompiledLighting, LightingKey, LightingPipelines, ViewLighting},
     view::{ActiveLeanView, Demand, LightingIo},
 };
 
-/// The states of a view that is drawn in this `order`, the best first: with the `wanted` or `needed` demand or that of
-/// its `last` state, and with the inputs and outputs of lighting that effects request or those of its `last` state.
+/// The states of a view that is drawn in this `order`, the best first: with the wanted or needed demand or that of its
+/// last state, and with the inputs and outputs of lighting that effects request or those of its last state.
 pub(super) fn candidates(
     view: &RequestedViewItem,
     order: ActiveLeanView,
-    [wanted, needed]: [Demand; 2],
-    last: Option<&ActiveLeanView>,
+    wanted: WantedDemand,
 ) -> impl Iterator<Item = ActiveLeanView> + Clone {
     let io = LightingIo::asked(view.io);
-    let held = last.map(|last| last.io).filter(|held| *held != io);
-    let before = last.map_or(Demand::default(), ActiveLeanView::demand);
-    // Lighting for lingering demands may never be compiled, so `needed` alone is a choice too.
+    let held = (wanted.last.map(|last| last.io)).filter(|held| *held != io);
+    let before = (wanted.last).map_or(Demand::default(), |last| last.demand());
+    // Lighting for lingering demands may never be compiled, so what is needed alone is a choice too.
+    let [lingering, needed] = wanted.demands;
     let demands = if before.contains(needed) {
-        [wanted, before, needed]
+        [lingering, before, needed]
     } else {
-        [wanted, needed, before]
+        [lingering, needed, before]
     };
     demands
         .into_iter()
         .flat_map(move |demand| once(io).chain(held).map(move |io| (demand, io)))
-        .map(move |(demand, io)| {
-            let view = ActiveLeanView { io, ..order };
-            ActiveLeanView {
-                targets: demand.targets,
-                variants: demand.on(&view).variants,
-                ..view
-            }
-        })
+        .map(move |(demand, io)| state(order, wanted, demand, io))
+}
+
+/// The state of a view once it has the targets for which it waits, if any.
+pub(super) fn next_state(
+    view: &RequestedViewItem,
+    order: ActiveLeanView,
+    wanted: WantedDemand,
+) -> Option<ActiveLeanView> {
+    let io = LightingIo::asked(view.io);
+    (wanted.next).map(|demand| state(order, wanted, demand, io))
+}
+
+fn state(
+    order: ActiveLeanView,
+    wanted: WantedDemand,
+    demand: Demand,
+    io: LightingIo,
+) -> ActiveLeanView {
+    let view = wanted.view(ActiveLeanView { io, ..order }, demand.targets);
+    ActiveLeanView {
+        variants: demand.on(&view).variants,
+        ..view
+    }
 }
 
 /// Lean frames of a view in which pipelines that fit it are compiled even if each delays a frame: its scene appears in
@@ -84,16 +101,14 @@ impl PipelineSelection<'_> {
     /// general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each new one
     /// delays the frame.
     fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
-        let may_fit =
-            self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key);
+        let may_fit = self.may_fit(key);
         if may_fit && self.are_set(key, lighting) {
             return true;
         }
         let is_lit = self.may_be_general()
             && ((may_fit && self.include(key, lighting))
                 || (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting)));
-        let may_queue = self.compiles_in_background || lighting.frames < FIRST_FRAMES;
-        if may_fit && (!is_lit || may_queue) {
+        if may_fit && (!is_lit || self.may_queue(lighting)) {
             let queued = key
                 .dispatches()
                 .map(|key| (key, self.pipelines.specialize(self.cache, key)));
@@ -104,6 +119,24 @@ impl PipelineSelection<'_> {
             }
         }
         is_lit
+    }
+
+    /// Queues the pipelines that fit `key`, the next state of a view with this `lighting`, unless general ones may light it and each
+    /// new one delays the frame.
+    pub(super) fn request(&mut self, key: LightingKey, lighting: &ViewLighting) {
+        if self.may_fit(key) && (!self.may_be_general() || self.may_queue(lighting)) {
+            for key in key.dispatches() {
+                self.pipelines.specialize(self.cache, key);
+            }
+        }
+    }
+
+    fn may_fit(&self, key: LightingKey) -> bool {
+        self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key)
+    }
+
+    fn may_queue(&self, lighting: &ViewLighting) -> bool {
+        self.compiles_in_background || lighting.frames < FIRST_FRAMES
     }
 
     /// True if the pipelines of `lighting` are compiled, and light a view with this `key` as they light the one that they fit.

@@ -13,7 +13,7 @@ use bevy::{
 };
 
 use super::{
-    candidates::{PipelineSelection, candidates},
+    candidates::{PipelineSelection, candidates, next_state},
     draw_order::draw_order,
     eligibility::is_eligible,
     inputs::{DecisionInputs, RequestedView, RequestedViewItem},
@@ -95,24 +95,23 @@ fn decide(
         Some(lighting) => lighting.into_inner(),
         None => new_lighting.insert(ViewLighting::default()),
     };
-    let mut order = draw_order(&view, inputs);
+    let order = draw_order(&view, inputs);
     let meshes_move = !inputs.moving_meshes.is_empty();
-    let demands =
-        (inputs.demands).wanted(id, &mut order, last, meshes_move, &inputs.pipeline_cache);
+    let wanted = (inputs.demands).wanted(id, order, last, meshes_move, &inputs.pipeline_cache);
     let (settings, debug_view) = (view.settings, view.debug_view);
     let clip_from_view = view.view.clip_from_view;
     let scene = &inputs.scene;
-    let candidates = candidates(&view, order, demands, last).map(|active| {
-        let key = scene.key(
+    let key = |active: &ActiveLeanView| {
+        scene.key(
             lights,
             view_key,
             clip_from_view,
             settings,
             debug_view,
-            &active,
-        );
-        (active, key)
-    });
+            active,
+        )
+    };
+    let candidates = candidates(&view, order, wanted).map(|active| (active, key(&active)));
     let mut selection = PipelineSelection {
         pipelines: inputs.lighting_pipelines.as_deref_mut()?,
         cache: &inputs.pipeline_cache,
@@ -120,6 +119,9 @@ fn decide(
         compiles_in_background: inputs.pipeline_watch.compiles_in_background(),
     };
     let active = selection.best(candidates, lighting);
+    if let Some(next) = next_state(&view, order, wanted) {
+        selection.request(key(&next), lighting);
+    }
     set_status(&view, active.as_ref(), lighting, inputs);
     apply(commands, &view, new_lighting, active);
     active

@@ -104,7 +104,7 @@ impl ViewDemand {
     }
 
     /// Returns the current demand with and without lingering ones. Call once per frame.
-    fn wanted(&mut self) -> [Demand; 2] {
+    fn count_frame(&mut self) -> [Demand; 2] {
         self.kept_for = self.kept_for.saturating_sub(1);
         self.lingering.retain(|_, frames| {
             *frames = frames.saturating_sub(1);
@@ -114,6 +114,20 @@ impl ViewDemand {
             self.lingering.insert(*demand, LINGERING_FRAMES);
         }
         [union(self.lingering.keys()), union(self.counts.keys())]
+    }
+
+    /// Demand of the meshes that need no other targets than those of `view`, with and without lingering ones.
+    fn met_by(&self, view: &ActiveLeanView) -> [Demand; 2] {
+        let useful = view.useful_targets();
+        let is_met = |demand: &&Demand| view.targets.contains(demand.targets & useful);
+        let demands = [
+            union(self.lingering.keys().filter(is_met)),
+            union(self.counts.keys().filter(is_met)),
+        ];
+        demands.map(|demand| Demand {
+            targets: view.targets,
+            ..demand
+        })
     }
 
     /// The targets that a view with those of `view` should have instead: more if its meshes need more, or else fewer if
@@ -139,40 +153,95 @@ impl ViewDemand {
         self.kept_for = LINGERING_FRAMES;
     }
 
-    /// Targets of a view that was in the state `last` in the last frame. It begins to resolve motion and to test light
-    /// layers once it has the target for it, if a mesh needs that: until then, `order` is changed.
-    fn targets(
+    /// See [`ViewDemands::wanted`].
+    fn wanted(
         &mut self,
-        order: &mut ActiveLeanView,
-        last: &ActiveLeanView,
+        order: ActiveLeanView,
+        last: Option<&ActiveLeanView>,
         meshes_move: bool,
         cache: &PipelineCache,
-    ) -> GBufferTargets {
+    ) -> WantedDemand {
         let useful = order.useful_targets();
         let newly_useful = useful - replace(&mut self.useful, useful);
-        let next = self.next_targets(last);
-        let ready = self.next.as_ref().filter(|ready| ready.is_ready(cache));
-        let targets = match (next, ready) {
-            (Some(next), Some(ready)) if next == ready.targets => next,
-            _ => last.targets,
+        let demands = self.count_frame();
+        let Some(last) = last else {
+            return WantedDemand::at_first(demands, order, None);
         };
-        let mut lacking = union(self.counts.keys()).targets;
+        let next = self.next_targets(last);
+        let prepared = (self.next.as_ref()).filter(|prepared| Some(prepared.targets) == next);
+        let (targets, next) = match prepared {
+            Some(prepared) if prepared.is_ready(cache) => (prepared.targets, None),
+            Some(prepared) if prepared.is_growth => (last.targets, Some(prepared.targets)),
+            _ => (last.targets, None),
+        };
+        let [_, current] = demands;
+        let mut needed = current.targets;
         // Meshes that move are sorted later in the frame.
         if meshes_move {
-            lacking |= newly_useful & GBufferTargets::MOTION;
+            needed |= newly_useful & GBufferTargets::MOTION;
         }
-        lacking -= targets;
-        if lacking.contains(GBufferTargets::MOTION)
-            && order.resolves_motion
-            && !last.resolves_motion
+        let mut wanted = WantedDemand {
+            demands,
+            next: None,
+            needed,
+            last: Some(*last),
+        };
+        let with = |targets| wanted.view(order, targets);
+        let demands = self.met_by(&with(targets));
+        wanted.next = next.map(|targets| self.met_by(&with(targets))[0]);
+        wanted.demands = demands;
+        wanted
+    }
+}
+
+/// The demand that a view should meet in a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct WantedDemand {
+    /// The demand with and without lingering ones. It lacks that of meshes for whose targets the view still waits.
+    pub(crate) demands: [Demand; 2],
+    /// The demand with the targets for which the view waits, if any.
+    pub(crate) next: Option<Demand>,
+    /// The targets that meshes need, whatever use the view has for them.
+    needed: GBufferTargets,
+    /// State of the view in the last frame.
+    pub(crate) last: Option<ActiveLeanView>,
+}
+
+impl WantedDemand {
+    /// Demand of a view without a mesh in the G-buffer that could leave it.
+    fn at_first(
+        demands: [Demand; 2],
+        order: ActiveLeanView,
+        last: Option<&ActiveLeanView>,
+    ) -> Self {
+        Self {
+            demands: demands.map(|demand| Demand {
+                targets: demand.targets & order.useful_targets(),
+                ..demand
+            }),
+            next: None,
+            needed: GBufferTargets::empty(),
+            last: last.copied(),
+        }
+    }
+
+    /// The view with these `targets`, drawn in this `order`. It begins to resolve motion and to test light layers once it
+    /// has the target for it, if a mesh needs that.
+    pub(crate) fn view(&self, order: ActiveLeanView, targets: GBufferTargets) -> ActiveLeanView {
+        let mut view = ActiveLeanView { targets, ..order };
+        let Some(last) = self.last else {
+            return view;
+        };
+        let lacking = self.needed - targets;
+        if lacking.contains(GBufferTargets::MOTION) && view.resolves_motion && !last.resolves_motion
         {
-            order.resolves_motion = false;
-            order.keeps_prepass = true;
+            view.resolves_motion = false;
+            view.keeps_prepass = true;
         }
         if lacking.contains(GBufferTargets::VISIBILITY_MASK) {
-            order.has_light_layers &= last.has_light_layers;
+            view.has_light_layers &= last.has_light_layers;
         }
-        targets
+        view
     }
 }
 
@@ -220,37 +289,19 @@ impl ViewDemands {
     }
 
     /// Demand that `view`, drawn in this `order`, should meet in this frame, from the needs of its meshes up to the last
-    /// one: with and without lingering ones. `last` is its state in the last frame; without one it has no mesh in the
-    /// G-buffer that could leave it. For a view in its first frame the best guess is the demand of all other views.
-    /// `order` is changed for a view that lacks targets for it.
+    /// one. `last` is its state in the last frame. For a view in its first frame the best guess is the demand of all other
+    /// views.
     pub(crate) fn wanted(
         &mut self,
         view: RetainedViewEntity,
-        order: &mut ActiveLeanView,
+        order: ActiveLeanView,
         last: Option<&ActiveLeanView>,
         meshes_move: bool,
         cache: &PipelineCache,
-    ) -> [Demand; 2] {
-        let Some(demand) = self.0.get_mut(&view) else {
-            let targets = order.useful_targets();
-            return [self.of_all(), Demand::default()].map(|demand| Demand {
-                targets: demand.targets & targets,
-                ..demand
-            });
-        };
-        let demands = demand.wanted();
-        match last {
-            Some(last) => {
-                let targets = demand.targets(order, last, meshes_move, cache);
-                demands.map(|demand| Demand { targets, ..demand })
-            }
-            None => {
-                demand.useful = order.useful_targets();
-                demands.map(|wanted| Demand {
-                    targets: wanted.targets & demand.useful,
-                    ..wanted
-                })
-            }
+    ) -> WantedDemand {
+        match self.0.get_mut(&view) {
+            Some(demand) => demand.wanted(order, last, meshes_move, cache),
+            None => WantedDemand::at_first([self.of_all(), Demand::default()], order, last),
         }
     }
 }

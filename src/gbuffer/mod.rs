@@ -85,7 +85,7 @@ use self::bevy::{
     lightmaps, phases, pipeline_filter,
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
-pub(crate) use demand::ViewDemands;
+pub(crate) use demand::{ViewDemands, WantedDemand};
 use draw_functions::{DrawPlain, DrawWithVisibilityMask};
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;

@@ -107,13 +107,11 @@ impl Stage {
         change(self);
         self.watch(name, HELD_BACK, most);
         drop(stalled_pipelines);
-        // Meshes request pipelines once the view has other targets.
-        for _ in 0..2 {
-            while self.headless.is_compiling() {
-                self.watch(name, 1, most);
-            }
-            self.watch(name, 4, most);
+        // Pipelines of meshes and of lighting are requested at once: none follows after these.
+        while self.headless.is_compiling() {
+            self.watch(name, 1, most);
         }
+        self.watch(name, 4, most);
         self.watch(name, 4, 0);
     }
 
