@@ -1,4 +1,4 @@
-//! What the cameras show, and where.
+//! Cameras: their parts of the window, and the views of the scene.
 
 use bevy::{
     camera::Viewport,
