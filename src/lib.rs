@@ -32,9 +32,10 @@
 //!
 //! # Settings
 //!
-//! All effects have the same levels, [`LeanQuality`] and [`LeanResolution`]. They can be listed, written and read, for menus and command
-//! lines, and with the feature `serialize` stored by serde. A component has what a game sets; what few games change is in its
-//! `advanced`. [`LeanPreset`] sets which effects a camera has, and their levels, in one call. Bevy's `bsn!` spawns all components,
+//! Effects share the types of their levels: ambient occlusion, diffuse GI and reflections have a [`LeanQuality`] and a
+//! [`LeanResolution`], scattering has a [`LeanQuality`], auto exposure has neither. Levels can be listed, written and read, for menus
+//! and command lines, and with the feature `serialize` stored by serde. Settings that few games change are in the `advanced` field of
+//! a component. [`LeanPreset`] sets which effects a camera has, and their levels, in one call. Bevy's `bsn!` spawns all components,
 //! also with some of their fields alone.
 //!
 //! # The frame of a camera with [`LeanDeferred`]

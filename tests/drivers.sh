@@ -1,17 +1,18 @@
 #!/bin/sh
-# Runs the tests on each Vulkan driver that can be had here, and prints a table of drivers and topics.
+# Runs the tests on each Vulkan driver that is available here, and prints a table of drivers and topics.
 #
 #   sh tests/drivers.sh [DRIVER…] [-- FILTER…]
 #
-# Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader, webgpu
-# (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names: all of them.
+# Drivers: mesa22-4, mesa22-8, mesa22-16 (Mesa 22's llvmpipe with subgroups of 4, 8, 16), mesa25 (it has binding arrays), swiftshader,
+# webgpu (Mesa 22 with no more than WebGPU's default limits and features), own (this machine's GPU, if it has one). Without names:
+# all of them.
 # Filters are names of tests, or parts of them. TOPICS names some of the test binaries, separated by spaces. BINARIES names a folder of
 # test binaries, called as the topics are, and the viewer, that were built elsewhere: for a machine with a GPU and without Rust. THREADS
 # says how many tests run at a time, 2 if not said: each render thread of a software driver takes all cores anyway. With
 # `-- --include-ignored` the nightly tests run too.
 #
-# What is missing is fetched into a cache folder, never into the system: on Debian 12, from where its packages come from. Each driver's
-# log is kept there too.
+# Missing drivers are downloaded into a cache folder, never into the system: on Debian 12, from the sources of its packages. Each
+# driver's log is kept there too.
 set -eu
 [ -n "${BINARIES:-}" ] || . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
@@ -58,7 +59,7 @@ fetch() {
     touch "$folder/complete"
 }
 
-# Has the loader take the driver that this file of its folder describes, and writes that file anew with the library's whole path.
+# Makes the loader use the driver that this file of its folder describes, and rewrites that file with the library's whole path.
 use() { # folder, description, library
     description="$cache/$1/driver.json"
     sed "s|\"library_path\": *\"[^\"]*\"|\"library_path\": \"$cache/$1/$3\"|" "$cache/$1/$2" >"$description"
@@ -82,13 +83,13 @@ select_driver() {
     mesa25) mesa mesa25 bookworm-backports ;;
     webgpu) mesa mesa22 bookworm && export LEAN_TEST_DEVICE=webgpu ;;
     swiftshader)
-        # Where lanes of a subgroup are idle it reads binding arrays at places that nobody asked for, and crashes.
+        # With idle lanes in a subgroup it reads binding arrays at indices that the shader does not use, and crashes.
         fetch swiftshader bookworm chromium-common || return 1
         use swiftshader usr/lib/chromium/vk_swiftshader_icd.json usr/lib/chromium/libvk_swiftshader.so
         export LEAN_TEST_DEVICE=no-binding-arrays
         ;;
     own)
-        # What the loader finds by itself, but for software.
+        # Drivers that the loader finds by itself, without software ones.
         ls /dev/dri/render* /dev/nvidia0 2>/dev/null | grep -q . || return 1
         # Nothing is installed there.
         ls /usr/share/vulkan/explicit_layer.d /etc/vulkan/explicit_layer.d ${VK_LAYER_PATH:-} 2>/dev/null |

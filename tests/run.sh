@@ -1,9 +1,9 @@
 #!/bin/sh
-# Installs what is missing and runs all tests but the nightly ones. Arguments are those of `cargo test`.
+# Installs missing packages and runs all tests but the nightly ones. Arguments are those of `cargo test`.
 #
 # LEAN_TEST_NIGHTLY=1 runs the nightly tests too. LEAN_TEST_LAYER=all loads Vulkan's validation layer in all test binaries.
 #
-# Where LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed is not run again while its sources, the
+# If LEAN_PASSED names a folder, and there are no arguments, a test binary that has passed is not run again while its sources, the
 # toolchain, drivers and settings are the same. (Not while the binary is: rustc writes another one each time.)
 set -eu
 . "$(dirname "$0")/environment.sh"
@@ -19,9 +19,9 @@ if [ -z "${LEAN_PASSED:-}" ] || [ -n "${LEAN_SHADERS:-}" ] || [ $# -gt 0 ]; then
 fi
 
 mkdir -p "$LEAN_PASSED"
-# `sed` writes to its own standard error: `tee /dev/stderr` would open it anew, and empty it where it is a file.
+# `sed` writes to its own standard error: `tee /dev/stderr` would open it again, and truncate it if it is a file.
 built=$(cargo test --no-run 2>&1 | sed -n -e 'w /dev/stderr' -e 's/^  *Executable .*(\(.*\))$/\1/p')
-# What all of them depend on: libraries, the examples that tests run, the toolchain, drivers and settings.
+# Inputs that all of them depend on: libraries, the examples that tests run, the toolchain, drivers and settings.
 common=$({
     find Cargo.toml Cargo.lock assets examples figures kit src street tests/*.sh -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     rustc -vV

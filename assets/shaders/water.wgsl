@@ -92,7 +92,7 @@ fn vertex(in: Vertex) -> VertexOutput {
     out.world_normal = normal_of(waves);
 #endif
 #ifdef MOTION_VECTOR_PREPASS
-    // Where the vertex was in the last frame.
+    // Position of the vertex in the last frame.
     let last_time = globals.time - globals.delta_time;
     let last_world_from_local = get_previous_world_from_local(in.instance_index);
     let last_place = mesh_position_local_to_world(last_world_from_local, vec4(in.position, 1.0));

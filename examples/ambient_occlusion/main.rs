@@ -2,8 +2,8 @@
 //!
 //! `cargo run --example ambient_occlusion -- [FILE] [--headless OUT.png] [--help]`
 //!
-//! The keys 1, 2 and 3 choose none, `LeanScreenSpaceAmbientOcclusion` and Bevy's `ScreenSpaceAmbientOcclusion`, G whether the camera
-//! has `LeanDeferred`; the README lists the others. Mouse: left orbits, right pans, the wheel zooms.
+//! The keys 1, 2 and 3 choose none, `LeanScreenSpaceAmbientOcclusion` and Bevy's `ScreenSpaceAmbientOcclusion`; G inserts
+//! `LeanDeferred` on the camera, and removes it. The README lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 
 mod courtyard;
 mod errors;

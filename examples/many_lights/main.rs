@@ -135,7 +135,7 @@ fn setup(
 /// Most lights of the panel.
 const MOST: u32 = 16_384;
 
-/// Spawns all lights anew when their number changes.
+/// Respawns all lights when their number changes.
 fn spawn_lights(
     mut commands: Commands,
     scene: Res<Meshes>,

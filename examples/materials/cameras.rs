@@ -1,4 +1,4 @@
-//! What the cameras show, and where.
+//! Cameras: their parts of the window, and the views of the scene.
 
 use bevy::{
     camera::Viewport,
@@ -7,7 +7,7 @@ use bevy::{
     ui::IsDefaultUiCamera,
 };
 
-use kit::example::{keys::Technique, made_up_sky::made_up_sky};
+use kit::example::{keys::Technique, made_up_sky::made_up_sky, switch::Environment};
 
 /// The active cameras.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,19 +36,6 @@ pub enum Side {
     Left,
     /// The camera of Bevy's forward renderer.
     Right,
-}
-
-/// Environment light of both cameras, on the panel of the left one.
-#[derive(Component, Reflect)]
-#[reflect(Component, Default)]
-pub struct Environment {
-    is_on: bool,
-}
-
-impl Default for Environment {
-    fn default() -> Self {
-        Self { is_on: true }
-    }
 }
 
 /// Size of the picture without a window.

@@ -24,12 +24,13 @@ use bevy::{
 };
 use bevy_lean_deferred::{gbuffer::GBufferUsage, prelude::*};
 use bevy_panorbit_camera::PanOrbitCamera;
-use cameras::{Environment, PictureSize, Shown, Side};
+use cameras::{PictureSize, Shown, Side};
 use kit::example::{
     choices,
     keys::{Technique, TechniquePlugin},
     panel::{Panel, PanelCamera, fixed_panel, panel},
     run::SceneReady,
+    switch::Environment,
 };
 use rows::ROWS;
 

@@ -68,7 +68,7 @@ fn spawn_camera(mut commands: Commands) {
     commands.spawn((
         Camera3d::default(),
         LeanDeferred::default(),
-        // What the game sets itself. Presets keep it, also while they have no GI.
+        // A setting of the game itself. Presets keep it, also while they have no GI.
         LeanScreenSpaceGi {
             radius: 3.0,
             ..default()
@@ -189,7 +189,7 @@ fn spawn_menu(mut commands: Commands) {
         });
 }
 
-/// Walls that shine on one another, a polished floor, a ball that scatters light, and one that forward draws.
+/// Walls that illuminate each other, a polished floor, a ball that scatters light, and one that forward draws.
 fn spawn_room(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

@@ -41,7 +41,7 @@ pub fn walk_or_stand(mut commands: Commands, street: Single<&Street, Changed<Str
     commands.insert_resource(Walking(if street.walk { 1.0 } else { 0.0 }));
 }
 
-/// What a picture shows.
+/// Renderer, effects and place of a picture.
 pub struct Settings {
     pub renderer: Renderer,
     /// The active effects, on lean cameras.

@@ -20,10 +20,11 @@ use kit::{
         model::{self, ModelPath, Viewpoint},
         panel::{Panel, PanelCamera, fixed_panel, panel},
         renderers::RenderersPlugin,
+        switch::Environment,
     },
     renderer::Renderer,
 };
-use sky::{Environment, SkyFiles};
+use sky::SkyFiles;
 
 kit::example_args! {
     /// Shows a glTF or GLB file, or a built-in scene, through Bevy forward, Bevy deferred, or bevy_lean_deferred. Drag another file

@@ -5,7 +5,11 @@ use bevy::{
     prelude::*,
 };
 
-use kit::example::{made_up_sky::made_up_sky, model::check_readable, switch::SwitchedLight};
+use kit::example::{
+    made_up_sky::made_up_sky,
+    model::check_readable,
+    switch::{Environment, SwitchedLight},
+};
 
 /// Prefiltered maps; `None` for a procedural sky that Bevy filters.
 #[derive(Resource, Clone)]
@@ -23,19 +27,6 @@ impl SkyFiles {
             check_readable(specular)?;
         }
         Ok(Self(files))
-    }
-}
-
-/// Light from the environment, on the panel.
-#[derive(Component, Reflect)]
-#[reflect(Component, Default)]
-pub struct Environment {
-    is_on: bool,
-}
-
-impl Default for Environment {
-    fn default() -> Self {
-        Self { is_on: true }
     }
 }
 

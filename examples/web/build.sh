@@ -37,7 +37,7 @@ version=$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p;}' Car
 bindgen=${WASM_BINDGEN:-$cache/wasm-bindgen-$version/bin/wasm-bindgen}
 if ! "$bindgen" --version >/dev/null 2>&1; then
     set -- install wasm-bindgen-cli --version "$version" --root "$cache/wasm-bindgen-$version"
-    # What its lock file names may be gone.
+    # Sources that its lock file names may no longer exist.
     "${HOST_CARGO:-cargo}" "$@" --locked || "${HOST_CARGO:-cargo}" "$@" ||
         fail "wasm-bindgen-cli $version could not be installed."
 fi

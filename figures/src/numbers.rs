@@ -1,4 +1,4 @@
-//! Numbers as tables show them. What was not measured is a dash.
+//! Numbers as tables show them. A dash stands for a missing measurement.
 
 use crate::time::Time;
 

@@ -166,7 +166,7 @@ fn apply(
     }
 }
 
-/// Frees what a lean view holds. Bevy renders its camera.
+/// Frees the resources of a lean view. Bevy renders its camera.
 fn leave_to_bevy(commands: &mut Commands, view: Entity) {
     commands
         .entity(view)

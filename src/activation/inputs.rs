@@ -60,7 +60,7 @@ impl RequestedViewItem<'_, '_> {
 }
 
 system_param! {
-    /// What decides beside the views themselves.
+    /// Inputs of the decision, without the views themselves.
     pub(super) struct DecisionInputs<'w, 's> {
         pub(super) support: Res<'w, LeanSupport>,
         pub(super) memory: Res<'w, OutOfMemory>,

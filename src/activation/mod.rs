@@ -5,7 +5,7 @@
 //! into memory, and the shaders must be compiled. Otherwise Bevy renders the camera. [`LeanStatus`](crate::LeanStatus) reports the state
 //! to the app, and one warning per reason is logged.
 //!
-//! [`LeanSupport`](crate::LeanSupport) holds the capabilities that the device lacks. If it lacks any, cameras keep their `Msaa` and get
+//! [`LeanSupport`] holds the capabilities that the device lacks. If it lacks any, cameras keep their `Msaa` and get
 //! no `Hdr`.
 
 // - `decision.rs`: decides per view and frame.

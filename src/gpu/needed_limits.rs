@@ -59,7 +59,7 @@ pub(crate) fn unmet<'a>(
     needed.iter().filter(|needed| !needed.is_met(limits))
 }
 
-/// Names those of the limits `needed` that are lower on a device with these `limits`, with what it has.
+/// Names those of the limits `needed` that are lower on a device with these `limits`, with its values.
 pub(crate) fn lacking(needed: &[NeededLimit], limits: &Limits) -> impl Iterator<Item = String> {
     unmet(needed, limits).map(move |needed| format!("{needed} (it has {})", needed.of(limits)))
 }

@@ -2,7 +2,7 @@
 
 use bevy::render::render_resource::Texture;
 
-/// Bytes of the texels of a 2D texture, without what a driver adds for alignment.
+/// Bytes of the texels of a 2D texture, without the padding of drivers.
 pub(crate) fn texture_bytes(texture: &Texture) -> u64 {
     let size = texture.size();
     let texel = texture.format().block_copy_size(None).unwrap_or(0);

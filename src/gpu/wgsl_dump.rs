@@ -192,8 +192,8 @@ fn main() { var number = whole(); }
             ] {
                 let source = format!("#ifdef ASKED\n{fault}\n#else\nfn other() {{ }}\n#endif\n");
                 let shader = Shader::from_wgsl(source, "faulty.wgsl");
-                dump.write("lean_deferred/faulty", &shader, &["ASKED".into()]);
-                let written = fs::read_to_string(folder.join("lean_deferred.faulty.wgsl"));
+                dump.write("lean_deferred/gpu/faulty", &shader, &["ASKED".into()]);
+                let written = fs::read_to_string(folder.join("lean_deferred.gpu.faulty.wgsl"));
                 let written = written.expect("it is written");
                 assert!(written.contains("fn faulty"), "{written}");
                 assert!(!written.contains("fn other"), "{written}");

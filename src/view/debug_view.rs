@@ -96,7 +96,7 @@ pub enum DebugView {
     DiffuseLight,
     /// Light that surfaces reflect specularly, exposed; without fog and emission.
     SpecularLight,
-    /// What Bevy's forward passes draw, and the background, as in the picture. Lean meshes are magenta, darker where they are turned
+    /// Meshes of Bevy's forward passes, and the background, as in the picture. Lean meshes are magenta, darker where they are turned
     /// away from the camera. [`LeanForwardMeshes`](crate::gbuffer::LeanForwardMeshes) tells why meshes are drawn forward.
     Forward,
     /// Of [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion): the visibility that filtered occlusion

@@ -21,7 +21,7 @@ use super::{
 #[derive(Resource, Default)]
 pub(crate) struct EffectStatuses {
     cameras: MainEntityHashMap<CameraStatuses>,
-    /// What the device lacks for each effect, as it was logged.
+    /// Requirements of each effect that the device does not meet, as they were logged.
     told_of_device: [String; Effect::ALL.len()],
 }
 
@@ -179,7 +179,7 @@ impl StatusOf<'_> {
         self.statuses.effects[self.effect as usize].status = status;
     }
 
-    /// Sets it to off for a reason that has a `text`, which is copied only if it is news.
+    /// Sets it to off for a reason with a `text`, which is copied only if it differs from the current one.
     fn set_off_for(&mut self, reason: fn(String) -> LeanOffReason, text: &str) {
         let decided = &mut self.statuses.effects[self.effect as usize];
         if let EffectStatus::Off(known) = &decided.status
@@ -225,8 +225,8 @@ impl StatusOf<'_> {
         label.is_some()
     }
 
-    /// Sets the status of an effect that nothing speaks against: on while it `runs`, with its pipelines or former ones.
-    /// Otherwise its pipelines are compiled, unless there is a `failure`.
+    /// Sets the status of an effect that has no reason to be off: on while it `runs`, with its pipelines or former ones;
+    /// otherwise compiling, or off for a `failure` of a shader.
     pub(crate) fn set_running(&mut self, runs: bool, failure: Option<&str>) {
         match (runs, failure) {
             (true, _) => self.set(EffectStatus::On),

@@ -1,10 +1,11 @@
-//! Quality levels and resolutions, the same for all effects.
+//! Quality levels and resolutions, which effects share.
 
 use core::{error::Error, fmt, str::FromStr};
 
 use bevy::prelude::*;
 
-/// Quality level of an effect. Its component tells what the levels are: numbers of samples or steps, sizes of texels.
+/// Quality level of an effect. The documentation of its component has the numbers of samples or steps, or the sizes of
+/// texels, of each level.
 ///
 /// `Display` writes `low`, `medium`, `high` or `ultra`, and `FromStr` reads these in upper or lower case. With the feature
 /// `serialize`, serde stores the names of the variants.

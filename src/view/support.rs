@@ -26,8 +26,8 @@ use bevy::prelude::*;
 pub struct LeanSupport {
     /// [`LeanDeferred`](crate::LeanDeferred).
     pub deferred: Result<(), String>,
-    /// [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion) by compute shaders. Without, a raster pass computes it, on any
-    /// device.
+    /// [`LeanScreenSpaceAmbientOcclusion`](crate::LeanScreenSpaceAmbientOcclusion) by compute shaders.
+    /// Without them a raster pass computes it, on any device.
     pub ambient_occlusion_by_compute: Result<(), String>,
     /// [`LeanScreenSpaceGi`](crate::LeanScreenSpaceGi) and
     /// [`LeanScreenSpaceReflections`](crate::LeanScreenSpaceReflections).

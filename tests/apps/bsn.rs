@@ -67,7 +67,7 @@ fn a_camera_with_all_components() {
             ..default()
         };
         assert_eq!(camera.get::<LeanAutoExposure>(), Some(&exposure));
-        // What the effects require, and what they change.
+        // Components that the effects require or change.
         assert!(camera.contains::<LeanDeferred>() && camera.contains::<Hdr>());
         assert_eq!(camera.get::<Msaa>(), Some(&Msaa::Off));
 

@@ -167,7 +167,7 @@ fn nothing_is_kept_for_nobody() {
     stage.frame();
     assert_eq!(stage.frame(), Some(true));
     stage.ask(false);
-    assert_eq!(stage.frame(), None, "nobody asks");
+    assert_eq!(stage.frame(), None, "no effect reads it");
     stage.ask(true);
     assert_eq!(stage.frame(), Some(false), "somebody asks again");
     assert_eq!(stage.frame(), Some(true));

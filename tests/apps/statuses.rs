@@ -395,7 +395,7 @@ fn each_reason_is_told() {
     });
 }
 
-/// What the device lacks, as `RenderStartup` would have detected it.
+/// Missing limits and features of the device, as if `RenderStartup` had detected them.
 #[test]
 fn what_the_device_lacks_is_told_of_each_effect() {
     in_own_process(|| {

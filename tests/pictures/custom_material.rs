@@ -274,7 +274,10 @@ fn assert_forward_draws(fault: impl Fn(&str) -> String, named: &str) {
     set_shader(&mut headless, GBUFFER, &gbuffer_main(CHANGE), GBUFFER_FILE);
     headless.settle();
     headless.frames(3);
-    assert!(is_in_gbuffer(&mut headless, camera), "it is mended");
+    assert!(
+        is_in_gbuffer(&mut headless, camera),
+        "the fixed shader is used"
+    );
     let psnr = difference(&forward, &headless.capture()).psnr;
     assert!(psnr >= 45.0, "{psnr} dB");
 }

@@ -34,13 +34,13 @@ fn comparing_shader(surfaces: Surfaces) -> String {
     let comparing = "textureStore(output_texture, pixel.position, compared(shaded.color, pixel));";
     let shader = shader.replace(shown, comparing);
     let (imports, functions) = include_str!("oracle.wgsl")
-        .split_once("/// What Bevy makes")
+        .split_once("/// Light of the pixel by Bevy")
         .expect("imports, then functions");
     let definition = match surfaces {
         Surfaces::Usual => "",
         Surfaces::Lightmapped => "#define LIGHTMAP\n",
     };
-    format!("{definition}{imports}{shader}/// What Bevy makes{functions}")
+    format!("{definition}{imports}{shader}/// Light of the pixel by Bevy{functions}")
 }
 
 fn app(surfaces: Surfaces) -> Headless {

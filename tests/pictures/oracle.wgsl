@@ -29,8 +29,8 @@
 #import bevy_lean_deferred::lighting::visibility::apply_ssao
 #endif
 
-/// What Bevy makes of the pixel; alpha is 0 where Bevy's functions, compiled for all kinds of surfaces in view at once,
-/// cannot tell.
+/// Light of the pixel by Bevy's functions; alpha is 0 where these, compiled for all kinds of surfaces in view at once, have no
+/// result.
 fn expected(pixel: Pixel) -> vec4<f32> {
     var pbr = pbr_input_from_gbuffer(pixel);
 #ifdef GEOMETRIC_NORMAL

@@ -53,7 +53,7 @@ fn kernel(bits: array<u32, 5>) -> array<u32, 7> {
     let material = bits[1] % 255u + 1u;
     let words = pack_entry(Entry(bitcast<f32>(bits[0]), material, light));
     let entry = unpack_entry(words);
-    // What has been packed once stays as it is.
+    // Packing a second time changes nothing.
     let again = pack_entry(entry);
     let found = bitcast<vec3<u32>>(entry.light);
     return array(material, bitcast<u32>(entry.metres), entry.material, found.x, found.y, found.z, u32(all(again == words)));

@@ -71,7 +71,7 @@ pub fn read_keys(world: &mut World) {
     }
 }
 
-/// What the keys 1, 2 and 3 choose from.
+/// Variants of an example, which the keys 1, 2 and 3 select.
 pub trait Technique: Resource<Mutability = Mutable> + Copy + Debug + PartialEq {
     /// In the order of the keys.
     const CHOICES: [Self; 3];

@@ -67,7 +67,7 @@ impl Section {
 /// The text in the corner.
 #[derive(Resource, Default)]
 pub struct Panel {
-    /// What the keys 1, 2 and 3 choose.
+    /// Line about the variants that the keys 1, 2 and 3 select.
     pub techniques: String,
     /// Lines of the example.
     pub head: String,

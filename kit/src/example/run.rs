@@ -28,8 +28,8 @@ const LOADING_TIME: Duration = Duration::from_secs(120);
 #[derive(Resource)]
 pub struct SceneReady;
 
-/// What all examples have: a window with keys and a panel, or a PNG for `--headless`. As a plugin, it also sets the runner of the
-/// app.
+/// Parts that all examples share: a window with keys and a panel, or a PNG for `--headless`. As a plugin, it also sets the runner of
+/// the app.
 pub struct Example {
     pub title: &'static str,
     pub size: UVec2,

@@ -34,3 +34,16 @@ pub fn switch_lights(mut lights: Query<&mut Visibility, With<SwitchedLight>>) {
         };
     }
 }
+
+/// On a camera, for the panel: the example lights it by an environment.
+#[derive(Component, Reflect)]
+#[reflect(Component, Default)]
+pub struct Environment {
+    pub is_on: bool,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self { is_on: true }
+    }
+}

@@ -79,7 +79,7 @@ impl GatherKey {
 }
 
 impl LeanScreenSpaceAmbientOcclusion {
-    /// What lighting is compiled by to apply the occlusion.
+    /// Flags of the lighting pipeline that applies the occlusion.
     pub(super) fn lighting_io(&self) -> LightingIo {
         [
             (true, LightingIo::AMBIENT_OCCLUSION),

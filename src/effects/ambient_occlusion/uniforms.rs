@@ -111,7 +111,7 @@ impl OcclusionUniform {
         view
     }
 
-    /// What lighting needs to apply the occlusion in `texture`.
+    /// Inputs of lighting to apply the occlusion in `texture`.
     pub(super) fn for_lighting(
         &self,
         settings: &LeanScreenSpaceAmbientOcclusion,

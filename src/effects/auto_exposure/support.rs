@@ -47,7 +47,7 @@ pub(super) fn check(world: &World) -> Result<(), String> {
 /// True if a camera with `settings` is metered by subgroups.
 pub(super) fn uses_subgroups(subgroups: Subgroups, settings: &LeanAutoExposure) -> bool {
     match settings.advanced.reduction {
-        // The histogram is faster without subgroups, by the bench.
+        // The bench measures the histogram faster without subgroups.
         ReductionPath::Auto => subgroups.are_useful() && settings.trim.is_none(),
         ReductionPath::Subgroup => subgroups.exist(),
         ReductionPath::SharedMemory => false,

@@ -115,7 +115,7 @@ impl Plugin for DebugViewPlugin {
             return;
         };
         removal::remove_with::<LeanDebugView, DebugDrawn<Shows>>(render_app);
-        // What is drawn keeps their textures alive.
+        // Bind groups of the draw keep these textures alive.
         removal::remove_with::<IndirectDiffuse, DebugDrawn<Shows>>(render_app);
         removal::remove_with::<IndirectSpecular, DebugDrawn<Shows>>(render_app);
         removal::remove_with::<RayHits, DebugDrawn<Shows>>(render_app);

@@ -127,7 +127,7 @@ impl LeanScreenSpaceReflections {
         }
     }
 
-    /// How rays march in a view of `rows` rows.
+    /// Range and precision of rays in a view of `rows` rows.
     pub(super) fn marches(&self, rows: u32) -> Marches {
         let (smooth_steps, rough_segments, pixels, growth_percent) = match self.quality {
             LeanQuality::Low => (48, 48, 8, 45.0),

@@ -1,4 +1,4 @@
-//! Rules of Bevy that the G-buffer repeats, and what it changes in Bevy's phases and passes. `docs/internals/porting.md` has them all.
+//! Rules of Bevy that the G-buffer repeats, and changes to Bevy's phases and passes. `docs/internals/porting.md` has them all.
 
 // - `batching.rs`: batching of the phases.
 // - `depth_copy.rs`: the copy of depth for its readers.

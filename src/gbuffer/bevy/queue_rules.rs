@@ -65,8 +65,8 @@ pub(in crate::gbuffer) fn is_for_deferred_pass(properties: &MaterialProperties) 
 }
 
 system_param! {
-    /// What Bevy looks up of a mesh before it queues it. Of a mesh that is not ready, `Err(true)` if Bevy waits for it, and
-    /// `Err(false)` if it does not.
+    /// Resources in which Bevy looks up a mesh before it queues it. For a mesh that is not ready, the results are `Err(true)` if
+    /// Bevy waits for it, and `Err(false)` if it does not.
     pub(in crate::gbuffer) struct BevyLookup<'w> {
         mesh_instances: Res<'w, RenderMeshInstances>,
         material_instances: Res<'w, RenderMaterialInstances>,

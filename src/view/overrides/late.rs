@@ -22,7 +22,8 @@ pub(super) fn warn_of_change<E: CameraEffect>(camera: &mut EntityWorldMut, chang
     let effect = E::NAME;
     let id = camera.id();
     warn!(
-        "Camera {id} was rendered without {names} before {effect} was inserted, which needs it. Bevy recreates its own pipelines; pipelines \
-         that other crates cache per camera (outlines, particles) may no longer match, which ends the app. If so, spawn it with {names}."
+        "Camera {id} was rendered without {names} before {effect} was inserted, which needs it. Bevy recreates its own \
+         pipelines; pipelines that other crates cache per camera (outlines, particles) may no longer match, which ends the \
+         app. If so, spawn it with {names}."
     );
 }

@@ -357,7 +357,7 @@ fn implications(name: &str) -> &'static [&'static str] {
 /// The names with all that they imply, in the crate's own rules and in those above.
 pub fn with_implied(names: impl IntoIterator<Item = &'static str>) -> HashSet<&'static str> {
     let mut all: HashSet<&'static str> = names.into_iter().collect();
-    // What is implied may imply more.
+    // Implied names may imply more.
     for _ in 0..2 {
         let more = all
             .iter()
