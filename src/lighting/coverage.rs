@@ -11,11 +11,11 @@ use crate::{
     view::{GBufferTargets, LightCulling, LightingIo, LightingVariants},
 };
 
-/// How shadow maps are filtered: a setting of the camera by which general pipelines are compiled.
+/// The filter of shadow maps: a setting of the camera by which general pipelines are compiled.
 pub(super) const SHADOW_FILTER: MeshPipelineKey =
     MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
 
-/// How ambient occlusion is filtered and applied: another one.
+/// The filter and the application of ambient occlusion: another such setting.
 pub(super) const OCCLUSION: LightingIo = LightingIo::AMBIENT_OCCLUSION
     .union(LightingIo::OCCLUSION_FILTER)
     .union(LightingIo::OCCLUSION_MULTIBOUNCE)

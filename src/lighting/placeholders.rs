@@ -1,4 +1,4 @@
-//! What the general pipelines bind in place of resources that a view does not have.
+//! Placeholders that general pipelines bind for resources that a view does not have.
 
 use bevy::{
     pbr::{GpuFog, contact_shadows::ContactShadowsUniform, resources::GpuAtmosphere},

@@ -32,7 +32,7 @@ const FIRST_FRAMES: usize = 40;
 /// More frames than those for which optional targets stay.
 const LINGERING_FRAMES: usize = 130;
 
-/// What the changes act on.
+/// The things that the changes act on.
 #[derive(Clone)]
 struct Subject {
     camera: Entity,
@@ -195,7 +195,7 @@ fn features_come_and_go_without_a_forward_frame() {
     });
 }
 
-/// Where Bevy compiles within the frame, as on macOS and the web, lighting is compiled for what the first frames show only.
+/// Lighting is compiled only for the first frames if Bevy compiles within the frame, as on macOS and the web.
 #[test]
 fn synchronous_apps_compile_lighting_once() {
     in_own_process(|| {

@@ -1,4 +1,5 @@
-//! Per-view resources of the passes: uniform and bind groups, and the creation of textures. Bind groups are recreated only when their resources change.
+//! Per-view resources of the passes: uniform and bind groups, and the creation of textures. Bind groups are recreated only when their
+//! resources change.
 
 use bevy::{
     camera::MainPassResolutionOverride,
