@@ -1,6 +1,7 @@
 //! A lean camera in a level in which features come and go one at a time. The bench `stutter` measures the same walk.
 //!
-//! In processes of their own: many frames, and compilation is delayed in all of the process.
+//! In processes of their own: many frames, and compilation is delayed in all of the process. Software drivers keep gigabytes for the
+//! pipelines of the whole walk, so that the daily test walks past a few of its features.
 
 use bevy::{core_pipeline::prepass::MotionVectorPrepass, prelude::*};
 use kit::{
@@ -9,21 +10,24 @@ use kit::{
     metrics::pixel_difference,
     own_process::in_own_process,
     renderer::Renderer,
+    skipped::skips_without_binding_arrays,
     stalled_pipelines::StalledPipelines,
     walk::{Event, FEATURES, Walk},
 };
 
 const SIZE: UVec2 = UVec2::new(96, 64);
 
-/// Features that do not change the picture of a lean camera by themselves: there is no shadow to filter, Bevy draws no decal without binding
-/// arrays and no sprite on cameras for meshes, and the camera has no effects.
-const UNSEEN: [&str; 5] = [
+/// Features that do not change the picture of a lean camera by themselves: there is no shadow to filter, Bevy draws no sprite on cameras
+/// for meshes, and the camera has no effects.
+const UNSEEN: [&str; 4] = [
     "shadow filter",
-    "decal",
     "sprite",
     "quality of effects",
     "resolution of effects",
 ];
+
+/// Features that Bevy draws with binding arrays only.
+const IN_BINDING_ARRAYS: [&str; 2] = ["decal", "reflection probe"];
 
 fn settled(walk: &mut Walk) -> Picture {
     walk.headless.settle();
@@ -32,6 +36,7 @@ fn settled(walk: &mut Walk) -> Picture {
 
 /// The walk shows what it claims to, and its end is its beginning.
 #[test]
+#[ignore = "nightly: all features"]
 fn each_feature_is_seen_and_leaves_nothing() {
     in_own_process(|| {
         let mut walk = Walk::new(Renderer::Lean, SIZE, true);
@@ -43,7 +48,10 @@ fn each_feature_is_seen_and_leaves_nothing() {
             let with = settled(&mut walk);
             assert!(walk.is_lean(), "{name}");
             let is_seen = with.size != before.size || pixel_difference(&before, &with).psnr < 55.0;
-            assert!(is_seen || UNSEEN.contains(&name), "{name} is not seen");
+            let may_be_unseen = UNSEEN.contains(&name)
+                || IN_BINDING_ARRAYS.contains(&name)
+                    && skips_without_binding_arrays(walk.headless.device(), name);
+            assert!(is_seen || may_be_unseen, "{name} is not seen");
             walk.apply(Event::Goes(index));
             let after = settled(&mut walk);
             let psnr = pixel_difference(&before, &after).psnr;
@@ -53,6 +61,9 @@ fn each_feature_is_seen_and_leaves_nothing() {
         log_watch::assert_validation_layer_silent();
     });
 }
+
+/// Features of the daily test: of the lights, of the materials, of the camera.
+const DAILY: [&str; 5] = ["shadowed spot light", "fog", "clearcoat", "TAA", "resize"];
 
 /// Frames after an event for which compilation is delayed.
 const HELD_BACK: usize = 4;
@@ -79,9 +90,9 @@ fn begin(has_effects: bool) -> Walk {
     walk
 }
 
-/// Delays compilation after each event of the walk, and calls `look` with the number of each frame from it on.
-fn hold_back(walk: &mut Walk, mut look: impl FnMut(&mut Walk, Event, usize)) {
-    for event in Event::all() {
+/// Delays compilation after each of the events, and calls `look` with the number of each frame from it on.
+fn hold_back(walk: &mut Walk, events: Vec<Event>, mut look: impl FnMut(&mut Walk, Event, usize)) {
+    for event in events {
         let stalled_pipelines = StalledPipelines::new();
         walk.apply(event);
         for frame in 0..HELD_BACK {
@@ -97,51 +108,84 @@ fn hold_back(walk: &mut Walk, mut look: impl FnMut(&mut Walk, Event, usize)) {
     }
 }
 
-/// A lean camera stays lean while pipelines compile for features that come or go.
+fn check_lean(walk: &mut Walk, event: Event, frame: usize) {
+    assert!(walk.is_lean(), "{}, frame {frame}", event.name());
+}
+
+/// A mesh that comes may wait for its own pipeline; it makes no other mesh wait.
+fn check_waiting(walk: &mut Walk, event: Event, frame: usize) {
+    // With motion vectors, the ball may wait for its target when it rolls on: it rests while the app settles.
+    let camera = walk.camera;
+    let may_wait = matches!(event, Event::Comes(_))
+        || (walk.headless.world().get::<MotionVectorPrepass>(camera)).is_some();
+    let most = usize::from(may_wait);
+    let waiting = walk.waiting_meshes();
+    let name = event.name();
+    assert!(waiting <= most, "{name}, frame {frame}: {waiting} meshes");
+}
+
+/// GI and reflections lose their history in the frame of a resize or cut, and in no other.
+#[derive(Default)]
+struct History {
+    lost: usize,
+}
+
+impl History {
+    fn check(&mut self, walk: &mut Walk, event: Event, frame: usize) {
+        if frame == 0 {
+            self.lost = 0;
+        }
+        self.lost += usize::from(!walk.follows_last_frame());
+        let most = usize::from(matches!(event.feature(), "resize" | "cut"));
+        let (name, lost) = (event.name(), self.lost);
+        assert!(lost <= most, "{name}, frame {frame}: {lost} frames lost");
+    }
+}
+
+/// A lean camera with effects stays lean and keeps its history while pipelines compile for features that come or go.
 #[test]
-fn features_come_and_go_without_a_forward_frame() {
+fn a_few_features_come_and_go() {
     in_own_process(|| {
-        let mut walk = begin(false);
-        hold_back(&mut walk, |walk, event, frame| {
-            assert!(walk.is_lean(), "{}, frame {frame}", event.name());
+        let events = Event::of(&DAILY);
+        let mut walk = begin(true);
+        assert!(walk.follows_last_frame(), "the bare level");
+        let mut history = History::default();
+        hold_back(&mut walk, events, |walk, event, frame| {
+            check_lean(walk, event, frame);
+            check_waiting(walk, event, frame);
+            history.check(walk, event, frame);
         });
         log_watch::assert_validation_layer_silent();
     });
 }
 
-/// A mesh that comes may wait for its own pipeline; it makes no other mesh wait.
 #[test]
-fn other_meshes_stay_in_the_gbuffer() {
+#[ignore = "nightly: all features"]
+fn features_come_and_go_without_a_forward_frame() {
     in_own_process(|| {
         let mut walk = begin(false);
-        hold_back(&mut walk, |walk, event, frame| {
-            // With motion vectors, the ball may wait for its target when it rolls on: it rests while the app settles.
-            let camera = walk.camera;
-            let may_wait = matches!(event, Event::Comes(_))
-                || (walk.headless.world().get::<MotionVectorPrepass>(camera)).is_some();
-            let most = usize::from(may_wait);
-            let waiting = walk.waiting_meshes();
-            let name = event.name();
-            assert!(waiting <= most, "{name}, frame {frame}: {waiting} meshes");
-        });
+        hold_back(&mut walk, Event::all(), check_lean);
+        log_watch::assert_validation_layer_silent();
     });
 }
 
-/// GI and reflections lose their history in the frame of a resize or cut, and in no other.
 #[test]
+#[ignore = "nightly: all features"]
+fn other_meshes_stay_in_the_gbuffer() {
+    in_own_process(|| {
+        let mut walk = begin(false);
+        hold_back(&mut walk, Event::all(), check_waiting);
+    });
+}
+
+#[test]
+#[ignore = "nightly: all features"]
 fn history_outlives_all_features() {
     in_own_process(|| {
         let mut walk = begin(true);
-        assert!(walk.follows_last_frame(), "the bare level");
-        let mut lost = 0;
-        hold_back(&mut walk, |walk, event, frame| {
-            if frame == 0 {
-                lost = 0;
-            }
-            lost += usize::from(!walk.follows_last_frame());
-            let most = usize::from(matches!(event.feature(), "resize" | "cut"));
-            let name = event.name();
-            assert!(lost <= most, "{name}, frame {frame}: {lost} frames lost");
+        let mut history = History::default();
+        hold_back(&mut walk, Event::all(), |walk, event, frame| {
+            history.check(walk, event, frame);
         });
         log_watch::assert_validation_layer_silent();
     });

@@ -46,10 +46,30 @@ pub enum Event {
 impl Event {
     /// All changes in order. Each feature comes once and goes again.
     pub fn all() -> Vec<Self> {
-        let slots = 0..FEATURES.len() + AT_A_TIME - 1;
+        let indices: Vec<usize> = (0..FEATURES.len()).collect();
+        Self::in_turn(&indices)
+    }
+
+    /// As [`Event::all`], for the features with these names alone.
+    pub fn of(names: &[&str]) -> Vec<Self> {
+        let indices: Vec<usize> = (FEATURES.iter().enumerate())
+            .filter(|(_, feature)| names.contains(&feature.name))
+            .map(|(index, _)| index)
+            .collect();
+        assert_eq!(
+            indices.len(),
+            names.len(),
+            "no feature has one of these names: {names:?}"
+        );
+        Self::in_turn(&indices)
+    }
+
+    fn in_turn(indices: &[usize]) -> Vec<Self> {
+        let slots = 0..indices.len() + AT_A_TIME - 1;
         let events = slots.flat_map(|slot| {
-            let comes = (slot < FEATURES.len()).then_some(Self::Comes(slot));
-            let goes = slot.checked_sub(AT_A_TIME - 1).map(Self::Goes);
+            let comes = indices.get(slot).map(|index| Self::Comes(*index));
+            let goes = slot.checked_sub(AT_A_TIME - 1);
+            let goes = goes.map(|slot| Self::Goes(indices[slot]));
             comes.into_iter().chain(goes)
         });
         events.collect()
