@@ -17,7 +17,10 @@ mod scene;
 mod settings;
 
 use bevy::{
-    anti_alias::smaa::Smaa, camera::Hdr, post_process::bloom::Bloom, prelude::*,
+    anti_alias::smaa::Smaa,
+    camera::{Hdr, ShadowLodOrigin},
+    post_process::bloom::Bloom,
+    prelude::*,
     ui::IsDefaultUiCamera,
 };
 use bevy_lean_deferred::prelude::*;
@@ -100,6 +103,8 @@ fn spawn_camera(mut commands: Commands, is_windowed: bool) {
             ..default()
         },
         IsDefaultUiCamera,
+        // Named because the camera of a picture renders to no window, of which Bevy warns.
+        ShadowLodOrigin,
         PanOrbitCamera {
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Right,
