@@ -4,7 +4,7 @@
 //! `cargo run --example showcase -- [--model FILE | --figure FILE] [--headless OUT.png] [--help]`
 //!
 //! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean. The panel switches each effect, moves the camera to the viewpoints
-//! of the street, and lets people stand; the README lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
+//! of the street, and lets people stand; `docs/examples.md` lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 //!
 //! `--headless` writes a picture split into Bevy forward and lean, and beside it one of each effect off and on. It also
 //! prints the cost of each on this machine.
