@@ -79,7 +79,7 @@ fn occlusion(store: &Store) -> Row {
     let [own, prepass] = [Some(bevy.own()), figures.more_prepass(bevy)].map(|time| fixed(time, 3));
     let [lean_rmse, bevy_rmse] = [lean, bevy].map(|m| fixed(m.wall.map(|(rmse, _)| rmse), 3));
     [
-        "[occlusion](ambient_occlusion.md)".into(),
+        "[occlusion](internals/ambient_occlusion.md)".into(),
         format!(
             "{:.3} ms, {:.1} bytes",
             figures.all(lean),
@@ -99,7 +99,7 @@ fn gi(store: &Store) -> Row {
     let m = figures.at(UHD, "GI, Medium, Half");
     let [least, most] = ["wall", "groove"].map(|scene| rmse(m, scene));
     [
-        "[diffuse GI](diffuse_gi.md), occlusion included".into(),
+        "[diffuse GI](internals/diffuse_gi.md), occlusion included".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(m), m.bytes),
         "–".into(),
         format!("RMSE {least} to {most} (radius 100 m, timed with 4 m)"),
@@ -115,7 +115,7 @@ fn reflections(store: &Store) -> Row {
         |m: &screen_space::Measurement| ["mirror", "inside", "0.3"].map(|scene| rmse(m, scene));
     let ([mirror, inside, rough], bevys) = (errors(lean), errors(bevy).join(", "));
     [
-        "[reflections](reflections.md)".into(),
+        "[reflections](internals/reflections.md)".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(lean), lean.bytes),
         format!("{:.2} ms, {:.1} bytes", figures.all(bevy), bevy.bytes),
         format!("RMSE (1440×1440) {mirror} in a mirror, {inside} without outlines, {rough} rough"),
@@ -129,7 +129,7 @@ fn scattering(store: &Store) -> Row {
         ["Tenth", "All"].map(|share| figures.at(UHD, &format!("scattering, High, {share}")));
     let [least, most] = ["white", "skin, red"].map(|scene| rmse(all, scene));
     [
-        "[scattering](subsurface_scattering.md), a tenth of the picture".into(),
+        "[scattering](internals/subsurface.md), a tenth of the picture".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(tenth), tenth.bytes),
         "–".into(),
         format!("RMSE {least} to {most}"),
@@ -147,7 +147,7 @@ fn exposure(store: &Store) -> Row {
         ["LogAverage", "Bevy, filter 0..=1"].map(|name| figures.at(&format!("in an app: {name}")));
     let [lean_time, bevy_time] = [lean, bevy].map(|m| format!("{} ms", median(m.whole, 3)));
     [
-        "[exposure](auto_exposure.md)".into(),
+        "[exposure](internals/auto_exposure.md)".into(),
         lean_time,
         bevy_time,
         // Above the errors at all sizes, of which the largest is 2.2e-8: less than the precision of a float.
