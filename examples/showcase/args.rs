@@ -24,7 +24,7 @@ pub struct Args {
     #[argh(option, from_str_fn(parse_size))]
     size: Option<UVec2>,
 
-    /// frames per measurement, whose median is printed, default 20, 1 without a GPU
+    /// frames per measurement, whose median is printed, default 20, 3 without a GPU
     #[argh(option)]
     frames: Option<usize>,
 
@@ -65,7 +65,7 @@ impl Args {
         };
         let (size, frames) = match is_fast {
             true => ([1280, 720], 20),
-            false => ([640, 360], 1),
+            false => ([640, 360], 3),
         };
         Wanted {
             model: self.model,
