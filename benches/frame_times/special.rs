@@ -2,7 +2,7 @@
 
 use bevy::{
     camera::visibility::RenderLayers, core_pipeline::prepass::MotionVectorPrepass,
-    light::ClusteredDecal, prelude::*,
+    light::ClusteredDecal, pbr::Lightmap, prelude::*,
 };
 
 /// The special property of some of the boxes.
@@ -15,7 +15,9 @@ pub enum Special {
     Anisotropy,
     DiffuseTransmission,
     Unlit,
-    /// All materials above, by turns.
+    /// Has a lightmap.
+    Lightmap,
+    /// All materials above without lightmaps, by turns.
     Materials,
     /// Nothing moves, but the camera asks for motion vectors.
     Rest,
@@ -43,7 +45,7 @@ pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Loca
 }
 
 /// The scenes: name, special property, and the number of boxes per special one.
-pub const SCENES: [(&str, Special, usize); 15] = [
+pub const SCENES: [(&str, Special, usize); 16] = [
     ("targets_none", Special::Nothing, 1),
     ("targets_emissive", Special::Emissive, 1),
     ("targets_emissive_few", Special::Emissive, 16),
@@ -52,6 +54,7 @@ pub const SCENES: [(&str, Special, usize); 15] = [
     ("targets_anisotropy", Special::Anisotropy, 1),
     ("targets_backlight", Special::DiffuseTransmission, 1),
     ("targets_unlit", Special::Unlit, 1),
+    ("targets_lightmap", Special::Lightmap, 1),
     ("targets_materials", Special::Materials, 1),
     ("targets_rest", Special::Rest, 1),
     ("targets_motion", Special::Motion, 1),
@@ -99,6 +102,7 @@ impl Special {
                 material.thickness = 0.2;
             }
             Self::Unlit => material.unlit = true,
+            Self::Lightmap => material.lightmap_exposure = 1000.0,
             Self::Materials | Self::Everything => {
                 [
                     Self::Emissive,
@@ -120,7 +124,14 @@ pub fn make_special(world: &mut World, special: Special, every: usize) {
     for (_, mesh) in world.resource_mut::<Assets<Mesh>>().iter_mut() {
         mesh.generate_tangents()
             .expect("the meshes of the boxes have all that tangents need");
+        if special == Special::Lightmap {
+            let uvs = mesh.attribute(Mesh::ATTRIBUTE_UV_0).cloned();
+            let uvs = uvs.expect("the meshes of the boxes have UVs");
+            mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, uvs);
+        }
     }
+    let lightmap = (special == Special::Lightmap)
+        .then(|| world.resource_mut::<Assets<Image>>().add(Image::default()));
     let mut boxes = world.query::<(Entity, &MeshMaterial3d<StandardMaterial>, &Transform)>();
     let boxes: Vec<_> = boxes
         .iter(world)
@@ -137,6 +148,12 @@ pub fn make_special(world: &mut World, special: Special, every: usize) {
         }
         if matches!(special, Special::Motion | Special::Everything) {
             sample.insert(Moving);
+        }
+        if let Some(image) = &lightmap {
+            sample.insert(Lightmap {
+                image: image.clone(),
+                ..default()
+            });
         }
     }
     if special.has_layers() {

@@ -27,7 +27,7 @@ use super::{
 use crate::{
     gpu::named::system_param,
     shader_library::layout::DEFAULT_VISIBILITY_MASK,
-    view::{Demand, GBufferTargets, LightingVariant, ShadingModel},
+    view::{Demand, GBufferTargets, LightingVariants, ShadingModel},
 };
 
 system_param! {
@@ -163,8 +163,9 @@ impl MeshLookup<'_> {
             return Err(ForwardReason::LightmapUnderEnvironment);
         }
         let mut targets = needs.targets | self.special_meshes.targets(entity);
-        if lightmapped {
-            targets |= GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION;
+        // Unlit surfaces have none of its light.
+        if lightmapped && needs.shading_model != ShadingModel::Unlit {
+            targets |= GBufferTargets::EMISSIVE;
         }
         if mesh.deforms || self.moving_meshes.contains(entity) {
             targets |= GBufferTargets::MOTION;
@@ -175,7 +176,7 @@ impl MeshLookup<'_> {
         let demand = MeshDemand {
             demand: Demand {
                 targets,
-                variants: LightingVariant::new(needs.shading_model, lightmapped).as_set(),
+                variants: LightingVariants::of(needs.shading_model, lightmapped),
             },
             is_alpha_masked: matches!(
                 mesh.material.properties.render_phase_type,

@@ -19,6 +19,7 @@
 #ifdef GBUFFER_EMISSIVE
 #import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #ifdef LIGHTMAP
+#import bevy_lean_deferred::gbuffer::layout::{LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED}
 #import bevy_pbr::pbr_functions::calculate_diffuse_color
 #endif
 #endif
@@ -50,7 +51,7 @@
 #endif
 
 /// Targets of the G-buffer: the two base targets and, in passes with optional targets, those that the mesh writes and a mask of
-/// them.
+/// them and of their content.
 struct GBufferOutput {
     @location(0) surface: u32,
     @location(1) normal: u32,
@@ -72,10 +73,14 @@ struct GBufferOutput {
 }
 
 #ifdef GBUFFER_VALID_MASK
-fn valid_mask() -> u32 {
+fn valid_mask(pbr: PbrInput) -> u32 {
     var mask = 0u;
 #ifdef GBUFFER_EMISSIVE
     mask |= EMISSIVE_VALID;
+#ifdef LIGHTMAP
+    // Incident and emitted light stay apart where possible, because decals change the part of lightmaps that a surface reflects.
+    mask |= select(LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED, emits(pbr));
+#endif
 #endif
 #ifdef GBUFFER_SPECIALIZATION
     mask |= SPECIALIZATION_VALID;
@@ -124,7 +129,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
     out.surface = words.x;
     out.normal = words.y;
 #ifdef GBUFFER_VALID_MASK
-    out.valid_mask = valid_mask();
+    out.valid_mask = valid_mask(pbr);
 #endif
 #ifdef GBUFFER_EMISSIVE
     out.emissive = pack_light(stored_light(pbr));
@@ -204,10 +209,6 @@ fn flags(pbr: PbrInput) -> u32 {
     let has_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
     var flags = select(special::NO_FOG, 0u, has_fog);
     flags |= select(special::NO_SHADOWS, 0u, has_shadows);
-#ifdef LIGHTMAP
-    // Incident and emitted light stay apart where possible, because decals change the part of lightmaps that a surface reflects.
-    flags |= select(special::LIGHTMAP_INCIDENT, special::LIGHTMAP_REFLECTED, emits(pbr));
-#endif
     return flags;
 }
 

@@ -18,6 +18,8 @@ struct LightingUniform {
     occlusion_intensity: f32,
     /// Share of the occlusion that also darkens direct light, 0 to 1.
     occlusion_of_direct_light: f32,
+    /// Share that darkens the light of lightmaps, 0 to 1.
+    occlusion_of_baked_light: f32,
     /// Columns of the viewport, from the left, that show a debug view.
     debug_columns: u32,
     /// Parts that the view needs: bits of `parts.wgsl`.

@@ -41,6 +41,7 @@ pub struct LightingUniform {
     occlusion_edge: Vec3,
     occlusion_intensity: f32,
     occlusion_of_direct_light: f32,
+    occlusion_of_baked_light: f32,
     debug_columns: u32,
     parts: u32,
 }
@@ -94,8 +95,6 @@ pub(super) fn write_lighting_buffers(
         let (occlusion, debug_view) = of_view;
         let target_size = target_size(target);
         let (origin, size) = lit_pixels(camera, target, resolution);
-        let occlusion = occlusion.map(|found| (found.edge, found.intensity, found.of_direct_light));
-        let (edge, intensity, of_direct_light) = occlusion.unwrap_or_default();
         let uniform = LightingUniform {
             background: background(camera, &clear_color),
             viewport_origin: origin,
@@ -103,9 +102,10 @@ pub(super) fn write_lighting_buffers(
             edge: edge_of(view.clip_from_view, size),
             writes_background: 0,
             depth_tells_geometry: active.depth_tells_geometry.into(),
-            occlusion_edge: edge,
-            occlusion_intensity: intensity,
-            occlusion_of_direct_light: of_direct_light,
+            occlusion_edge: occlusion.map_or(Vec3::ZERO, |found| found.edge),
+            occlusion_intensity: occlusion.map_or(0.0, |found| found.intensity),
+            occlusion_of_direct_light: occlusion.map_or(0.0, |found| found.of_direct_light),
+            occlusion_of_baked_light: occlusion.map_or(0.0, |found| found.of_baked_light),
             debug_columns: debug_view.map_or(0, |view| view.columns(size.x)),
             parts: lighting.parts.bits(),
         };

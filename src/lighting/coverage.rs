@@ -41,10 +41,11 @@ impl LightingKey {
             io: EXCHANGED_LIGHT | LightingIo::AMBIENT_OCCLUSION,
             scatters: true,
             light_layers: true,
+            lightmaps: true,
             targets: GBufferTargets::LIT,
             is_general: true,
             lists: false,
-            shaded: LightingVariants::of_lighting(),
+            shaded: LightingVariants::all_special(),
         }
     }
 
@@ -58,6 +59,7 @@ impl LightingKey {
             light_culling: need.light_culling,
             rect_lights: need.rect_lights,
             decals: need.decals,
+            lightmaps: need.lightmaps,
             targets: need.targets,
             shaded: need.shaded,
             ..self
@@ -68,6 +70,7 @@ impl LightingKey {
             && self.shadow_maps.contains(need.shadow_maps)
             && (self.rect_lights || !need.rect_lights)
             && (self.decals || !need.decals)
+            && (self.lightmaps || !need.lightmaps)
             && self.targets.contains(need.targets)
             && self.shaded.contains(need.shaded)
     }
@@ -109,6 +112,7 @@ impl LightingKey {
             (self.decals, need.decals),
             (self.scatters, need.scatters),
             (self.light_layers, need.light_layers),
+            (self.lightmaps, need.lightmaps),
         ];
         need.debug_view.is_none()
             && self.view.contains(need.view - SHADOW_FILTER)
@@ -144,6 +148,7 @@ mod tests {
             io: LightingIo::empty(),
             scatters: false,
             light_layers: false,
+            lightmaps: false,
             targets: GBufferTargets::empty(),
             is_general: false,
             shaded: LightingVariants::empty(),
@@ -163,7 +168,8 @@ mod tests {
                 light_culling: LightCulling::SharedMemory,
                 rect_lights: true,
                 scatters: true,
-                shaded: LightingVariants::of_lighting(),
+                lightmaps: true,
+                shaded: LightingVariants::all_special(),
                 ..sun()
             },
             LightingKey {
@@ -226,8 +232,9 @@ mod tests {
             light_culling: LightCulling::SharedMemory,
             rect_lights: true,
             decals: true,
+            lightmaps: true,
             targets: GBufferTargets::EMISSIVE,
-            shaded: LightingVariants::of_lighting(),
+            shaded: LightingVariants::all_special(),
             ..sun()
         };
         assert!(more.includes(sun()));
@@ -266,9 +273,24 @@ mod tests {
     }
 
     #[test]
+    fn lightmaps_are_lit_by_all_dispatches() {
+        let lightmapped = LightingKey {
+            lightmaps: true,
+            shaded: LightingVariants::all_special(),
+            ..sun()
+        };
+        assert!(lightmapped.dispatches().all(|key| key.lightmaps));
+        assert!(room().dispatches().all(|key| key.lightmaps));
+        assert!(!sun().includes(LightingKey {
+            lightmaps: true,
+            ..sun()
+        }));
+    }
+
+    #[test]
     fn views_without_special_surfaces_have_one_dispatch() {
         let special = LightingKey {
-            shaded: LightingVariants::of_lighting(),
+            shaded: LightingVariants::all_special(),
             ..sun()
         };
         let general = room();

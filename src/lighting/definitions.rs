@@ -45,7 +45,7 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
         (key.lists, "LISTED_VARIANTS"),
         (!key.shaded.is_empty(), "VISITED_VARIANTS"),
         // Not `LIGHTMAP`: with it, Bevy's functions assume that all surfaces have one.
-        (key.shaded.have_lightmaps(), "LIGHTMAPPED_SURFACES"),
+        (key.lightmaps, "LIGHTMAPPED_SURFACES"),
     ]
 }
 

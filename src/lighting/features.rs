@@ -44,6 +44,8 @@ pub(crate) struct LightingKey {
     pub(super) scatters: bool,
     /// Some light, decal or light probe has layers that exclude some meshes.
     pub(super) light_layers: bool,
+    /// Some surfaces have lightmaps.
+    pub(super) lightmaps: bool,
     /// The optional targets of the view that are read.
     pub(super) targets: GBufferTargets,
     /// The pipeline also lights views that need less, and reads what they need from the uniform.
@@ -231,10 +233,11 @@ impl SceneFeatures<'_, '_> {
             io: order.io,
             scatters: order.scatters(),
             light_layers: order.has_light_layers,
+            lightmaps: order.variants.contains(LightingVariants::LIGHTMAPPED),
             targets: order.targets & read_targets,
             is_general: false,
             lists: false,
-            shaded: order.variants.unscattered().by_definitions(),
+            shaded: order.variants.special(),
         }
     }
 }

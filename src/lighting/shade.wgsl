@@ -49,9 +49,8 @@
 #endif
 
 #ifdef SHADING_MODEL_RIM
-#import bevy_lean_deferred::gbuffer::layout::specialization::{
-    RIM, is_lightmapped, unpack_arguments, unpack_shading_model,
-}
+#import bevy_lean_deferred::gbuffer::layout::specialization::{RIM, unpack_arguments, unpack_shading_model}
+#import bevy_lean_deferred::lighting::surface::has_lightmap
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
 
@@ -282,8 +281,8 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #endif
 #ifdef SHADING_MODEL_RIM
     if unpack_shading_model(pixel.specialization_word) == RIM {
-        let word = pixel.specialization_word;
-        light += rim_light(pbr, unpack_arguments(word), is_lightmapped(word));
+        let arguments = unpack_arguments(pixel.specialization_word);
+        light += rim_light(pbr, arguments, has_lightmap(pixel));
     }
 #endif
     return light;

@@ -41,10 +41,15 @@ struct Pixel {
     depth: f32,
     surface_word: u32,
     normal_word: u32,
-    /// Mask of the optional targets that hold a word of the pixel.
+    /// Mask of the optional targets that hold a word of the pixel, with `LIGHTMAP_BITS`.
     valid_mask: u32,
     /// 0, a plain surface, if there is no such word.
     specialization_word: u32,
+}
+
+/// True if the emissive target holds light of a lightmap.
+fn has_lightmap(pixel: Pixel) -> bool {
+    return (pixel.valid_mask & layout::LIGHTMAP_BITS) != 0u;
 }
 
 /// View-space position of the centre of `pixel`.
@@ -166,8 +171,7 @@ fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     }
 #ifdef LIGHTMAPPED_SURFACES
     // Divided by exposure, because Bevy exposes the light of lightmaps.
-    let lightmap = pixel.specialization_word & specialization::LIGHTMAP_BITS;
-    if lightmap == specialization::LIGHTMAP_INCIDENT {
+    if (pixel.valid_mask & layout::LIGHTMAP_BITS) == layout::LIGHTMAP_INCIDENT {
         pbr.lightmap_light = light / view.exposure;
     } else {
         pbr.material.emissive = vec4(light, 0.0);

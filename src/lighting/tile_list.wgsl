@@ -6,14 +6,11 @@
 /// Workgroups per row of an indirect dispatch: the list may be longer than the limit of a dispatch's width.
 const COLUMNS: u32 = 32768u;
 
-/// Kind of surface that lighting distinguishes: 0 for plain ones.
+/// Kind of surface that lighting has code for: its shading model, or 0 for those that are lit as plain ones.
 fn variant_of(word: u32) -> u32 {
-    var model = specialization::unpack_shading_model(word);
-    if model == specialization::UNLIT {
-        return 0u;
-    }
-    model = select(model, specialization::PLAIN, model == specialization::SUBSURFACE);
-    return model | select(0u, 8u, specialization::is_lightmapped(word));
+    let model = specialization::unpack_shading_model(word);
+    let is_lit_as_plain = model == specialization::SUBSURFACE || model == specialization::UNLIT;
+    return select(model, specialization::PLAIN, is_lit_as_plain);
 }
 
 #ifdef LISTED_VARIANTS

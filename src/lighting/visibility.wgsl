@@ -25,7 +25,7 @@ fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
-/// Applies occlusion, and returns the visibility.
+/// Applies occlusion, also to the light of lightmaps, and returns the visibility.
 fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
     let parameters = OcclusionFilter(
         uniforms.occlusion_edge,
@@ -43,9 +43,14 @@ fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -
     );
     let visibility = 1.0 - occlusion;
 #ifdef OCCLUSION_MULTIBOUNCE
-    apply_visibility(pbr, visibility, ssao_multibounce(visibility, (*pbr).material.base_color.rgb));
+    let tinted = ssao_multibounce(visibility, (*pbr).material.base_color.rgb);
 #else
-    apply_visibility(pbr, visibility, vec3(visibility));
+    let tinted = vec3(visibility);
+#endif
+    apply_visibility(pbr, visibility, tinted);
+#ifdef LIGHTMAPPED_SURFACES
+    // Open surfaces keep their light exactly: multiple bounces may add up to slightly more than 1.
+    (*pbr).lightmap_light *= 1.0 - uniforms.occlusion_of_baked_light * saturate(1.0 - tinted);
 #endif
     return visibility;
 }

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (roots), shared exponent 1, metallic (21 codes) and occlusion (24) 9, mesh normal 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
-//! | with any optional | [`VALID_MASK_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets) |
+//! | with any optional | [`VALID_MASK_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets), 4; light of a lightmap in the emissive target: incident 1, reflected 1 |
 //! | optional | [`EMISSIVE_FORMAT`] | light with a shared exponent: `layout/light.wgsl` |
 //! | optional | [`SPECIALIZATION_FORMAT`] | specular constant, shading model, flags: `layout/specialization.wgsl` |
 //! | optional | [`MOTION_FORMAT`] | motion vector: `layout/motion.wgsl` |

@@ -31,6 +31,12 @@ const EMISSIVE_VALID: u32 = 1u;
 const SPECIALIZATION_VALID: u32 = 2u;
 const MOTION_VALID: u32 = 4u;
 const VISIBILITY_MASK_VALID: u32 = 8u;
+// Further bits of it: content of the `emissive` target, if that is not emitted light alone.
+const LIGHTMAP_BITS: u32 = 0x30u;
+/// Exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
+const LIGHTMAP_INCIDENT: u32 = 0x10u;
+/// Emitted light, and lightmap light that the surface reflects.
+const LIGHTMAP_REFLECTED: u32 = 0x20u;
 
 struct Surface {
     /// Linear, 0 to 1.

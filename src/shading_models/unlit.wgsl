@@ -1,6 +1,6 @@
 // Unlit surfaces: the base colour, independent of light.
 //
-// They have no specular constant, shadows or lightmap: all bits of the word but those of the shading model and the fog
+// They have no specular constant or shadows: all bits of the word but those of the shading model and the fog
 // hold the colour, 8 + 8 + 8 (square roots) and a shared exponent of 4.
 //
 // Colours up to 1 are off by at most 0.71 in 1/255 of sRGB (RMS 0.30), brighter ones by 0.56% of the brightest channel.

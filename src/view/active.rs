@@ -21,7 +21,7 @@ pub struct ActiveLeanView {
     pub has_light_layers: bool,
     /// The optional targets that the view has. Meshes write those that they need, even if the view has no use for them.
     pub targets: GBufferTargets,
-    /// The kinds of special surfaces that lighting lights.
+    /// The kinds of surfaces that lighting lights beside plain ones.
     pub(crate) variants: LightingVariants,
     /// The light that lighting exchanges with other effects.
     pub io: LightingIo,

@@ -102,6 +102,8 @@ pub struct AmbientOcclusion {
     pub intensity: f32,
     /// Share of the occlusion that darkens direct light too, 0 to 1.
     pub of_direct_light: f32,
+    /// Share of the occlusion that darkens the light of lightmaps too, 0 to 1.
+    pub of_baked_light: f32,
 }
 
 /// Inputs and outputs that effects request on a view. A tuple, because the bounds of a derived query make the compiler walk all

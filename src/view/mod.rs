@@ -89,8 +89,8 @@ pub use settings::{LeanDeferred, LeanDeferredAdvanced, LightCulling};
 pub(crate) use status::Effect;
 pub use status::{EffectStatus, LeanOffReason, LeanStatus};
 pub use support::LeanSupport;
+pub(crate) use surfaces::LightingVariants;
 pub use surfaces::{GBufferTargets, ShadingModel};
-pub(crate) use surfaces::{LightingVariant, LightingVariants};
 
 use self::bevy::unfit_items;
 

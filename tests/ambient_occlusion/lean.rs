@@ -10,31 +10,36 @@ use bevy_lean_deferred::{
 };
 
 use crate::stage::{Colors, Stage};
-use kit::{log_watch, scenes::SceneBuilder};
+use kit::{
+    log_watch,
+    scenes::{SceneBuilder, special_materials::put_lightmaps},
+};
 
 fn default() -> LeanScreenSpaceAmbientOcclusion {
     LeanScreenSpaceAmbientOcclusion::default()
 }
 
 /// Boxes in a corner, so rough that specular light is occluded like diffuse light.
-fn chalk(scene: &mut SceneBuilder) {
+fn chalk(scene: &mut SceneBuilder) -> [Entity; 4] {
     let material = StandardMaterial {
         base_color: Color::srgb(0.8, 0.5, 0.3),
         perceptual_roughness: 1.0,
+        lightmap_exposure: 1500.0,
         ..Default::default()
     };
-    for (size, position) in [
+    [
         (Vec3::new(12.0, 0.1, 12.0), Vec3::new(0.0, -0.05, 0.0)),
         (Vec3::new(12.0, 4.0, 0.1), Vec3::new(0.0, 2.0, -2.0)),
         (Vec3::new(1.0, 1.2, 1.0), Vec3::new(-0.7, 0.6, -0.8)),
         (Vec3::new(0.6, 0.6, 0.6), Vec3::new(0.8, 0.3, 0.4)),
-    ] {
+    ]
+    .map(|(size, position)| {
         scene.mesh(
             Cuboid::from_size(size),
             material.clone(),
             Transform::from_translation(position),
-        );
-    }
+        )
+    })
 }
 
 fn set_ambient(scene: &mut SceneBuilder, brightness: f32) {
@@ -55,10 +60,21 @@ fn lit_indirectly(scene: &mut SceneBuilder) {
     set_ambient(scene, 2000.0);
 }
 
+fn lit_by_lightmaps(scene: &mut SceneBuilder) {
+    let boxes = chalk(scene);
+    put_lightmaps(scene, &boxes, false);
+    set_ambient(scene, 0.0);
+}
+
 /// Largest error of `after` against `before` times a visibility, relative to `before`.
 fn product_error(before: &Colors, visibility: &Colors, after: &Colors) -> f32 {
+    share_error(before, visibility, 1.0, after)
+}
+
+/// As [`product_error`], for this share of the occlusion.
+fn share_error(before: &Colors, visibility: &Colors, share: f32, after: &Colors) -> f32 {
     let error = |i: usize| {
-        let expected = before.rgb(i) * visibility.rgb(i);
+        let expected = before.rgb(i) * (1.0 - share * (1.0 - visibility.rgb(i)));
         let error = (after.rgb(i) - expected).abs() / before.rgb(i).max(Vec3::splat(1e-3));
         error.max_element()
     };
@@ -89,6 +105,39 @@ fn direct_light_is_left_alone_unless_told_otherwise() {
             println!("product of visibility off by up to {error:.1e}");
             assert!(error <= 2e-3);
         }
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+#[test]
+fn baked_light_is_left_alone_unless_told_otherwise() {
+    let mut stage = Stage::new(lit_by_lightmaps);
+    stage.insert(LeanDeferred::default());
+    let before = stage.picture();
+    let lit = before.count(|i| before.rgb(i).x > 0.01);
+    let changed = stage.picture_with(default()).different(&before);
+    println!("by default {changed} of {lit} pixels in baked light change");
+    assert!(lit > 10_000);
+    assert_eq!(changed, 0);
+
+    let visibility = stage.visibility(default());
+    for baked_light in [0.5, 1.0] {
+        let after = stage.picture_with(LeanScreenSpaceAmbientOcclusion {
+            advanced: LeanScreenSpaceAmbientOcclusionAdvanced {
+                baked_light,
+                multibounce: false,
+                ..Default::default()
+            },
+            ..default()
+        });
+        let darker = after.count(|i| after.rgb(i).x < 0.95 * before.rgb(i).x);
+        let brighter = after.count(|i| after.rgb(i).cmpgt(before.rgb(i)).any());
+        let error = share_error(&before, &visibility, baked_light, &after);
+        println!(
+            "with {baked_light}, {darker} are darker, {brighter} brighter, off by {error:.1e}"
+        );
+        assert!(darker > 500 && brighter == 0);
+        assert!(error <= 2e-3);
     }
     log_watch::assert_validation_layer_silent();
 }

@@ -17,6 +17,10 @@
 #import bevy_lean_deferred::lighting::surface::is_unlit
 #endif
 
+#ifdef LIGHTMAPPED_SURFACES
+#import bevy_lean_deferred::lighting::surface::has_lightmap
+#endif
+
 #ifdef SHADING_MODEL_RIM
 #import bevy_lean_deferred::shading_models::rim::rim_light
 #endif
@@ -57,7 +61,7 @@ fn expected(pixel: Pixel) -> vec4<f32> {
 #endif
     var is_lightmapped = false;
 #ifdef LIGHTMAPPED_SURFACES
-    is_lightmapped = oracle_words::is_lightmapped(word);
+    is_lightmapped = has_lightmap(pixel);
 #endif
     // Bevy treats either all surfaces as lightmapped or none.
 #ifdef LIGHTMAP

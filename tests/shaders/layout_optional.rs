@@ -7,6 +7,7 @@ mod forms;
 mod packing;
 
 use bevy::math::Vec3;
+use bevy_lean_deferred::gbuffer::GBufferTargets;
 use forms::{FORMS, Form, VALUES};
 use kit::{
     compute::{Compute, Kernel},
@@ -113,6 +114,16 @@ fn every_code_survives_unpacking_and_packing() {
 }
 
 #[test]
+fn lightmaps_have_bits_of_the_valid_mask_to_themselves() {
+    let targets = u32::from(GBufferTargets::all().bits());
+    assert_eq!(targets & layout::LIGHTMAP_BITS, 0);
+    assert!(targets | layout::LIGHTMAP_BITS <= u32::from(u8::MAX));
+    let forms = [layout::LIGHTMAP_INCIDENT, layout::LIGHTMAP_REFLECTED];
+    assert_eq!(forms[0] & forms[1], 0);
+    assert_eq!(forms[0] | forms[1], layout::LIGHTMAP_BITS);
+}
+
+#[test]
 fn words_of_0_are_defaults() {
     use specialization as special;
     assert_eq!(light::unpack_light(0), Vec3::ZERO);
@@ -120,8 +131,6 @@ fn words_of_0_are_defaults() {
     assert_eq!(special::unpack_reflectance(0), 0.5);
     assert_eq!(special::unpack_shading_model(0), 0);
     assert_eq!(special::unpack_arguments(0), 0);
-    let flags = special::NO_FOG | special::NO_SHADOWS | special::LIGHTMAP_BITS;
-    assert_eq!(special::LIGHTMAP_NONE & flags, 0);
     assert_eq!(special::pack_specialization(0.5, 0, 0), 0);
 
     // On the device.

@@ -19,8 +19,8 @@ const MODULES: [WgslModule; 3] = [
 const TILE: usize = 64;
 /// Number of tested tiles, for which the list has room.
 const TILES: usize = 512;
-/// Plain surfaces, clearcoat, diffuse_transmission, and rim with a lightmap.
-const KINDS: [u32; 4] = [0, 4, 5, 3 + 8];
+/// Plain surfaces, clearcoat, diffuse transmission, and rim.
+const KINDS: [u32; 4] = [0, 4, 5, 3];
 
 const LIST_TILES: &str = "
 #import bevy_lean_deferred::lighting::tile_list::list_tile

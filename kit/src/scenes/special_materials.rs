@@ -230,6 +230,43 @@ pub const SCENES: &[Scene] = &[
         s.sun(false);
         s.default_camera(ambient());
     }),
+    // The lightmap has the diffuse light of some of the lights.
+    Scene::new("lightmapped_plain", |s| {
+        baked_corner(s);
+        for (x, affects_lightmapped_mesh_diffuse) in [(-1.5, false), (1.5, true)] {
+            s.spawn((
+                PointLight {
+                    intensity: 30_000.0,
+                    range: 12.0,
+                    affects_lightmapped_mesh_diffuse,
+                    ..default()
+                },
+                Transform::from_xyz(x, 2.0, 1.5),
+            ));
+            s.spawn((
+                SpotLight {
+                    intensity: 100_000.0,
+                    affects_lightmapped_mesh_diffuse,
+                    ..default()
+                },
+                Transform::from_xyz(x, 3.0, 1.0).looking_at(Vec3::ZERO, Vec3::Z),
+            ));
+        }
+        s.spawn((
+            DirectionalLight {
+                illuminance: 6_000.0,
+                shadow_maps_enabled: true,
+                affects_lightmapped_mesh_diffuse: false,
+                ..default()
+            },
+            Transform::from_xyz(2.0, 3.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+        s.default_camera(AmbientLight {
+            brightness: 1_000.0,
+            affects_lightmapped_meshes: false,
+            ..default()
+        });
+    }),
     // Bevy's lightmaps hold no transmitted ambient light.
     Scene::new("lightmapped_specials_ambient_light_apart", |s| {
         lightmapped(s, false);
@@ -336,6 +373,31 @@ fn gallery_of(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) -> V
         )
     };
     kinds().into_iter().enumerate().map(&mut place).collect()
+}
+
+/// A corner of plain surfaces with a lightmap, and a ball without one.
+fn baked_corner(s: &mut SceneBuilder) {
+    let baked = [
+        (Vec3::new(8.0, 0.1, 6.0), Vec3::new(0.0, -0.05, 0.0)),
+        (Vec3::new(8.0, 3.0, 0.1), Vec3::new(0.0, 1.5, -2.0)),
+        (Vec3::ONE, Vec3::new(-0.9, 0.5, 0.0)),
+    ]
+    .map(|(size, position)| {
+        s.mesh(
+            Cuboid::from_size(size),
+            StandardMaterial {
+                lightmap_exposure: 1000.0,
+                ..material((0.7, 0.6, 0.5), 0.2, 0.4)
+            },
+            Transform::from_translation(position),
+        )
+    });
+    put_lightmaps(s, &baked, false);
+    s.mesh(
+        Sphere::new(0.5),
+        material((0.3, 0.5, 0.7), 0.0, 0.4),
+        Transform::from_xyz(0.9, 0.5, 0.4),
+    );
 }
 
 /// The gallery with a lightmap on each ball.

@@ -122,6 +122,10 @@ pub struct LeanScreenSpaceAmbientOcclusionAdvanced {
     /// Approximates light that bounces between bright walls: brightens and tints their occlusion (Jimenez et al. 2016). For
     /// [`OcclusionApplication::Indirect`] only. Default true.
     pub multibounce: bool,
+    /// Share of the occlusion that darkens the light of lightmaps too, 0 to 1. A lightmap has the occlusion of the meshes that it was
+    /// baked with: more than 0 darkens their corners twice, but lets meshes that move occlude baked light. Surfaces with emission
+    /// keep their baked light. For [`OcclusionApplication::Indirect`] only. Default 0, as in Bevy.
+    pub baked_light: f32,
 }
 
 impl Default for LeanScreenSpaceAmbientOcclusionAdvanced {
@@ -134,6 +138,7 @@ impl Default for LeanScreenSpaceAmbientOcclusionAdvanced {
             filter: default(),
             edge_aware: true,
             multibounce: true,
+            baked_light: 0.0,
         }
     }
 }
@@ -193,8 +198,9 @@ pub enum OcclusionApplication {
     /// Multiplies the image by `1 - occlusion`, after the opaque meshes and before transmissive and transparent ones. Darkens all
     /// light, including direct light, but not distance fog in front of a surface. Unoccluded pixels are bit-identical, as is alpha.
     MultiplicativeBlend,
-    /// The lighting pass darkens ambient light, environment maps, probes and irradiance volumes. Meshes in Bevy's forward passes
-    /// neither receive nor cast occlusion. Falls back to [`MultiplicativeBlend`](Self::MultiplicativeBlend) where the camera is not
+    /// The lighting pass darkens ambient light, environment maps, probes and irradiance volumes, and lightmaps by
+    /// [`baked_light`](LeanScreenSpaceAmbientOcclusionAdvanced::baked_light). Meshes in Bevy's forward passes neither receive nor
+    /// cast occlusion. Falls back to [`MultiplicativeBlend`](Self::MultiplicativeBlend) where the camera is not
     /// rendered lean.
     Indirect,
 }

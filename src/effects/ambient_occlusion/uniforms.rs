@@ -122,6 +122,7 @@ impl OcclusionUniform {
             edge: self.edge.truncate(),
             intensity: self.intensity,
             of_direct_light: settings.direct_light.clamp(0.0, 1.0),
+            of_baked_light: up_to(1.0, settings.advanced.baked_light),
         }
     }
 

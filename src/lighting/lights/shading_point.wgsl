@@ -15,6 +15,10 @@
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
 
+#ifdef LIGHTMAPPED_SURFACES
+#import bevy_lean_deferred::lighting::surface::has_lightmap
+#endif
+
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::layout::specialization
 #endif
@@ -130,7 +134,7 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.view_smith = smith(point.roughness, point.NdotV);
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
 #ifdef LIGHTMAPPED_SURFACES
-    point.is_lightmapped = specialization::is_lightmapped(pixel.specialization_word);
+    point.is_lightmapped = has_lightmap(pixel);
 #endif
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     point.clearcoat = material.clearcoat;

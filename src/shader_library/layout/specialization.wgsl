@@ -6,11 +6,11 @@
 // | 3 | shading model |
 // | 1 | no fog |
 // | 1 | receives no shadows |
-// | 2 | content of the emissive target, `LIGHTMAP_NONE` … |
+// | 2 | unused, 0 |
 // | 17 | arguments of the shading model |
 //
-// `shading_models/` documents the arguments, one file per model. Unlit surfaces have no specular constant, shadows or lightmap: all
-// bits but those of the shading model and the fog hold the colour.
+// `shading_models/` documents the arguments, one file per model. Unlit surfaces have no specular constant or shadows: all bits but
+// those of the shading model and the fog hold the colour.
 //
 // A word of 0 is a plain surface with all defaults. The specular constant is off by at most half a step.
 #define_import_path bevy_lean_deferred::gbuffer::layout::specialization
@@ -35,14 +35,6 @@ const DEFAULT_REFLECTANCE: u32 = 63u;
 const NO_FOG: u32 = 1u << 11u;
 /// Surface that receives no shadows.
 const NO_SHADOWS: u32 = 1u << 12u;
-/// Content of the emissive target.
-const LIGHTMAP_BITS: u32 = 3u << 13u;
-/// Emitted light.
-const LIGHTMAP_NONE: u32 = 0u;
-/// Exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
-const LIGHTMAP_INCIDENT: u32 = 1u << 13u;
-/// Emitted light, and lightmap light that the surface reflects.
-const LIGHTMAP_REFLECTED: u32 = 2u << 13u;
 
 const ARGUMENTS_SHIFT: u32 = 15u;
 
@@ -60,11 +52,6 @@ fn unpack_reflectance(word: u32) -> f32 {
 /// Number of the shading model.
 fn unpack_shading_model(word: u32) -> u32 {
     return (word >> 8u) & 7u;
-}
-
-/// True if the surface has a lightmap.
-fn is_lightmapped(word: u32) -> bool {
-    return (word & LIGHTMAP_BITS) != LIGHTMAP_NONE;
 }
 
 /// Adds arguments to a packed word.

@@ -161,18 +161,34 @@ fn meshes_get_the_targets_that_they_need(headless: &mut Headless) {
     assert_eq!(usage(headless).targets, SPECIALIZATION, "none any more");
     assert!(!forward_draws(headless), "no receiver any more");
 
+    let ball = show_ball(headless, clay(), ());
+    put_lightmap(headless, ball);
+    let used = usage(headless);
+    assert_eq!(used.targets, EMISSIVE, "a lightmap");
+    assert_eq!(used.bytes_per_pixel(), 13, "a lightmap");
+    assert!(!forward_draws(headless), "a lightmap");
+
+    let unlit = StandardMaterial {
+        unlit: true,
+        ..clay()
+    };
+    let ball = show_ball(headless, unlit, ());
+    put_lightmap(headless, ball);
+    assert_eq!(usage(headless).targets, SPECIALIZATION, "an unlit lightmap");
+    assert!(!forward_draws(headless), "an unlit lightmap");
+}
+
+/// Makes `mesh` a cube with a lightmap.
+fn put_lightmap(headless: &mut Headless, mesh: Entity) {
     let cube = kit::scenes::materials::cube_with_second_uvs();
     let world = headless.world();
     let cube = world.resource_mut::<Assets<Mesh>>().add(cube);
     let image = world.resource_mut::<Assets<Image>>().add(Image::default());
     world
-        .entity_mut(ball)
+        .entity_mut(mesh)
         .insert((Mesh3d(cube), Lightmap { image, ..default() }));
     headless.settle();
     headless.frames(4);
-    let both = EMISSIVE.union(SPECIALIZATION);
-    assert_eq!(usage(headless).targets, both, "a lightmap");
-    assert!(!forward_draws(headless), "a lightmap");
 }
 
 /// Without binding arrays Bevy cannot compile lightmaps under an environment map, and draws nothing: no other surface waits for that.

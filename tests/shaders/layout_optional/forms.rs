@@ -188,7 +188,7 @@ pub const FORMS: &[Form] = &[
         unpack_wgsl: "vec4(
             special::unpack_reflectance(word),
             f32(special::unpack_shading_model(word)),
-            f32(word & (special::NO_FOG | special::NO_SHADOWS | special::LIGHTMAP_BITS)),
+            f32(word & (special::NO_FOG | special::NO_SHADOWS)),
             f32(special::unpack_arguments(word)),
         )",
         pack_wgsl: "special::with_arguments(
@@ -196,7 +196,7 @@ pub const FORMS: &[Form] = &[
             u32(x[3]),
         )",
         unpack: |word, _| {
-            let flags = special::NO_FOG | special::NO_SHADOWS | special::LIGHTMAP_BITS;
+            let flags = special::NO_FOG | special::NO_SHADOWS;
             [
                 special::unpack_reflectance(word),
                 special::unpack_shading_model(word) as f32,
@@ -209,8 +209,8 @@ pub const FORMS: &[Form] = &[
             special::with_arguments(word, x[3] as u32)
         },
         words: |random| {
-            // 253 to 255 are unused.
-            (0..1 << 15)
+            // 253 to 255 are unused, and so are the two bits below the arguments.
+            (0..1 << 13)
                 .filter(|word| (word & 0xff) ^ 63 <= 252)
                 .flat_map(|word| [0, random.bits() >> 15, 0x1_ffff].map(|x| word | (x << 15)))
                 .collect()

@@ -102,6 +102,7 @@ pub const LIGHTING: &[Factor] = &[
     ],
     DEBUG_VIEWS,
     SPECIAL_SURFACES,
+    optional!("LIGHTMAPPED_SURFACES"),
     optional!("SUPERSET"),
 ];
 
@@ -134,16 +135,13 @@ const SPECIAL_SURFACES: Factor = &[
     &["VISITED_VARIANTS", "SHADING_MODEL_RIM"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_CLEARCOAT"],
     &["VISITED_VARIANTS", "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
-    &["VISITED_VARIANTS", "LIGHTMAPPED_SURFACES"],
     &[
         "VISITED_VARIANTS",
-        "LIGHTMAPPED_SURFACES",
         "STANDARD_MATERIAL_ANISOTROPY",
         "SHADING_MODEL_RIM",
     ],
     &[
         "VISITED_VARIANTS",
-        "LIGHTMAPPED_SURFACES",
         "STANDARD_MATERIAL_ANISOTROPY",
         "SHADING_MODEL_RIM",
         "STANDARD_MATERIAL_CLEARCOAT",
@@ -290,32 +288,27 @@ const WHAT_IS_DRAWN: Factor = &[
         "STANDARD_MATERIAL_ANISOTROPY",
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     ],
-    &["LIGHTMAP", "VERTEX_UVS_A", "VERTEX_UVS_B"],
+    &["LIGHTMAP", "GBUFFER_EMISSIVE"],
+    &["LIGHTMAP", "LIGHTMAP_BICUBIC_SAMPLING", "GBUFFER_EMISSIVE"],
+    &["LIGHTMAP", "GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
     &[
         "LIGHTMAP",
-        "LIGHTMAP_BICUBIC_SAMPLING",
-        "VERTEX_UVS_A",
-        "VERTEX_UVS_B",
-    ],
-    &[
-        "LIGHTMAP",
-        "VERTEX_UVS_A",
-        "VERTEX_UVS_B",
+        "GBUFFER_EMISSIVE",
         "STANDARD_MATERIAL_CLEARCOAT",
     ],
     &[
         "LIGHTMAP",
-        "VERTEX_UVS_A",
-        "VERTEX_UVS_B",
+        "GBUFFER_EMISSIVE",
         "STANDARD_MATERIAL_ANISOTROPY",
     ],
     &[
         "LIGHTMAP",
         "LIGHTMAP_BICUBIC_SAMPLING",
-        "VERTEX_UVS_A",
-        "VERTEX_UVS_B",
+        "GBUFFER_EMISSIVE",
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
     ],
+    // Unlit meshes have no use for their lightmaps.
+    &["LIGHTMAP", "GBUFFER_SPECIALIZATION"],
 ];
 
 /// Definitions of `MotionResolvePipelines` for a view with motion vectors.
@@ -341,7 +334,8 @@ fn implications(name: &str) -> &'static [&'static str] {
         // Decals are bound in arrays, on devices that bind light probes in arrays too.
         "CLUSTERED_DECALS_ARE_USABLE" => &["MULTIPLE_LIGHT_PROBES_IN_ARRAY"],
         "VERTEX_UVS_A" | "VERTEX_UVS_B" => &["VERTEX_UVS"],
-        "LIGHTMAP" | "LIGHTMAPPED_SURFACES" => &["GBUFFER_EMISSIVE", "GBUFFER_SPECIALIZATION"],
+        "LIGHTMAP" => &["VERTEX_UVS_A", "VERTEX_UVS_B", "VERTEX_UVS"],
+        "LIGHTMAPPED_SURFACES" => &["GBUFFER_EMISSIVE"],
         "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION" => &[
             "STANDARD_MATERIAL_DIFFUSE_OR_SPECULAR_TRANSMISSION",
             "GBUFFER_SPECIALIZATION",

@@ -72,13 +72,13 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         };
     }
     constants!("shader_library/layout.wgsl": layout::{
-        ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
+        ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY,
+        LIGHTMAP_BITS, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED
     });
     constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});
     constants!("shader_library/layout/motion.wgsl": motion::{LARGEST_MOTION});
     constants!("shader_library/layout/specialization.wgsl": specialization::{
-        REFLECTANCE_STEPS, LARGEST_REFLECTANCE, DEFAULT_REFLECTANCE, NO_FOG, NO_SHADOWS, LIGHTMAP_BITS,
-        LIGHTMAP_NONE, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED, ARGUMENTS_SHIFT
+        REFLECTANCE_STEPS, LARGEST_REFLECTANCE, DEFAULT_REFLECTANCE, NO_FOG, NO_SHADOWS, ARGUMENTS_SHIFT
     });
     constants!("shader_library/reconstruction/position.wgsl": position::{SMALLEST_DEPTH});
     constants!("shader_library/tiles.wgsl": tiles::{TILE_SIDE});

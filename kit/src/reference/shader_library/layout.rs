@@ -21,6 +21,13 @@ pub const MESH_NORMAL_BIT: u32 = 1 << 31;
 /// Largest code of roughness.
 pub const ROUGHNESS_MAX: f32 = 255.0;
 
+/// Bits of the valid mask with the content of the emissive target; 0 for emitted light alone.
+pub const LIGHTMAP_BITS: u32 = 0x30;
+/// The target holds the exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
+pub const LIGHTMAP_INCIDENT: u32 = 0x10;
+/// The target holds emitted light and reflected light of a lightmap.
+pub const LIGHTMAP_REFLECTED: u32 = 0x20;
+
 /// Steps of one octahedral axis. Even, so that 0 is a code and the axes and flat floors are stored exactly.
 pub const NORMAL_STEPS: f32 = 4094.0;
 /// Half of [`NORMAL_STEPS`].

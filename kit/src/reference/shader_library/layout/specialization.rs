@@ -14,14 +14,6 @@ pub const DEFAULT_REFLECTANCE: u32 = 63;
 pub const NO_FOG: u32 = 1 << 11;
 /// Flag of a surface that receives no shadows.
 pub const NO_SHADOWS: u32 = 1 << 12;
-/// Mask of the bits with the content of the emissive target.
-pub const LIGHTMAP_BITS: u32 = 3 << 13;
-/// The target holds emitted light.
-pub const LIGHTMAP_NONE: u32 = 0;
-/// The target holds the exposed light of a lightmap, not yet multiplied by the surface's diffuse colour.
-pub const LIGHTMAP_INCIDENT: u32 = 1 << 13;
-/// The target holds emitted light and reflected light of a lightmap.
-pub const LIGHTMAP_REFLECTED: u32 = 2 << 13;
 
 /// Offset of the shading model's arguments, in bits.
 pub const ARGUMENTS_SHIFT: u32 = 15;
