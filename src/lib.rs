@@ -51,7 +51,7 @@
 //! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
 //!
 //! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
-//! and before post-processing.
+//! and before post-processing. The modules of [`effects`] describe their passes.
 //!
 //! # Supported cameras
 //!
@@ -68,6 +68,36 @@
 //! `DiagnosticsStore`. Pipelines and textures have the same labels in graphics debuggers.
 //! [`LeanDebugView`], inserted on a camera, shows the G-buffer or the result of an effect in place of the image; [`LeanMemory`] tells
 //! the GPU memory of each effect.
+//!
+//! # FAQ
+//!
+//! **Should I use it?** Yes for many lights, for a camera that Bevy renders deferred or with a prepass, or for one of the effects. No for
+//! a forward camera with few lights and no prepass, for MSAA, and for WebGL2. The README has a table of cases.
+//!
+//! **Does it work with …?** `docs/your_game.md` has a row for lightmaps, particles, outlines, UI, TAA, bloom, fog, split screen and so on,
+//! with the test that shows it.
+//!
+//! **My camera is not lean, or an effect does nothing.** [`LeanStatus`] on the camera has the reason, which names what to change:
+//! [`LeanOffReason`]. `docs/troubleshooting.md` lists symptoms, causes and fixes.
+//!
+//! **The image changed when I added [`LeanDeferred`].** It adds `Hdr`, which changes Bevy's own image. Insert `Hdr` without this crate,
+//! and compare. If the images still differ, [`LeanDeferred::enabled`] switches between the two renderers.
+//!
+//! **Some meshes have no occlusion, GI or reflections.** Bevy's forward pass draws them. [`LeanForwardMeshes`](gbuffer::LeanForwardMeshes)
+//! counts them by [`ForwardReason`](gbuffer::ForwardReason), and [`DebugView::Forward`] shows them.
+//!
+//! **How do my own materials get into the G-buffer?** By a [`GBufferMaterialPlugin`](gbuffer::GBufferMaterialPlugin) and a fragment shader
+//! that packs a `PbrInput`: see [`GBufferMaterial`](gbuffer::GBufferMaterial).
+//!
+//! **Do the effects need TAA?** No: their patterns are the same in each frame. They turn only while frames are averaged, as with TAA.
+//!
+//! **My camera jumps, and shows old light.** Insert [`CameraCut`] on it in that frame.
+//!
+//! **How do I switch it at run time?** Insert and remove components, or apply a [`LeanPreset`]. Spawn the camera with `Hdr` and `Msaa::Off`,
+//! so that no pipeline has to change its format.
+//!
+//! **Which devices?** [`LeanSupport`] tells before any camera is spawned. WebGPU's default limits suffice for all but scattering, decals,
+//! textures of lights and several environment maps.
 
 #![warn(missing_docs)]
 
@@ -100,6 +130,15 @@ pub use view::{
 };
 
 use bevy::app::plugin_group;
+
+/// The code of pages, which is compiled as tests of the documentation.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../README.md")]
+    struct Readme;
+    #[doc = include_str!("../docs/profiling.md")]
+    struct Profiling;
+}
 
 /// The plugins, the components of cameras with their levels and reports, and materials. All else is in its module: parts of settings,
 /// such as [`OcclusionFilter`](crate::effects::ambient_occlusion::OcclusionFilter), single plugins, and

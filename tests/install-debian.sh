@@ -2,6 +2,9 @@
 # Installs what the crate's examples and tests need on Debian or Ubuntu, where it is missing: a C++ compiler (for FLIP),
 # a fast linker, Wayland's headers, the Vulkan loader and, where no GPU driver brings one, Mesa's software driver.
 # Does nothing elsewhere.
+#
+# LEAN_INSTALL=yes installs without a question, LEAN_INSTALL=no only names the command. Otherwise root installs at once, and
+# others are asked before `sudo`; without a terminal to ask on, the command is only named.
 set -eu
 command -v apt-get >/dev/null || exit 0
 
@@ -21,7 +24,20 @@ need mesa-vulkan-drivers "ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.
 
 root=""
 [ "$(id -u)" = 0 ] || root=sudo
+wanted=${LEAN_INSTALL:-}
+if [ -z "$wanted" ] && [ -z "$root" ]; then
+    wanted=yes
+elif [ -z "$wanted" ] && [ -t 0 ]; then
+    printf 'missing packages:%s\ninstall them with sudo apt-get? [y/N] ' "$missing"
+    read -r answer || answer=""
+    case $answer in [yY]*) wanted=yes ;; esac
+fi
+if [ "$wanted" != yes ]; then
+    echo "not installed:${missing}. The command is: ${root:+$root }apt-get install$missing" >&2
+    exit 0
+fi
 echo "installing:$missing"
 $root apt-get update -qq
+# `env` because `sudo` keeps no variables.
 # shellcheck disable=SC2086 # a list of packages
-DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq $missing >/dev/null
+$root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $missing >/dev/null

@@ -3,7 +3,7 @@
 //! `cargo run --example ambient_occlusion -- [FILE] [--headless OUT.png] [--help]`
 //!
 //! The keys 1, 2 and 3 choose none, `LeanScreenSpaceAmbientOcclusion` and Bevy's `ScreenSpaceAmbientOcclusion`; G inserts
-//! `LeanDeferred` on the camera, and removes it. The README lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
+//! `LeanDeferred` on the camera, and removes it. `docs/examples.md` lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 
 mod courtyard;
 mod errors;

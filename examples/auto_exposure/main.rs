@@ -16,8 +16,8 @@
 //! | middle to bottom | 1 |
 //!
 //! The keys 1, 2 and 3 choose none, `LeanAutoExposure` and Bevy's `AutoExposure`, which gets the same settings where it has an
-//! equivalent. Target and compensation become its compensation curve, and its range replaces the limits of the exposure. The README
-//! lists the other keys. Mouse: left looks around, right pans, the wheel moves.
+//! equivalent. Target and compensation become its compensation curve, and its range replaces the limits of the exposure.
+//! `docs/examples.md` lists the other keys. Mouse: left looks around, right pans, the wheel moves.
 
 mod garden;
 mod house;

@@ -3,8 +3,8 @@
 //!
 //! `cargo run --example many_lights -- [--lights N] [--headless OUT.png] [--help]`
 //!
-//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean, and the panel has the number of lights; the README lists the other
-//! keys.
+//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean, and the panel has the number of lights; `docs/examples.md` lists the
+//! other keys.
 
 mod times;
 

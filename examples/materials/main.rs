@@ -5,8 +5,8 @@
 //! Each has a row; `rows.rs` lists them from top to bottom. Both halves show the same scene from the same place. Subsurface
 //! scattering is in the left one only: forward has none.
 //!
-//! The keys 1, 2 and 3 choose both halves, lean alone and forward alone; the README lists the others. Mouse, over the left half: left
-//! orbits, right pans, the wheel zooms.
+//! The keys 1, 2 and 3 choose both halves, lean alone and forward alone; `docs/examples.md` lists the others. Mouse, over the left
+//! half: left orbits, right pans, the wheel zooms.
 //!
 //! `--headless` writes a PNG. With lean beside forward it also prints the differences between the halves.
 

@@ -3,7 +3,7 @@
 //! `cargo run --example screen_space -- [FILE] [--headless OUT.png] [--help]`
 //!
 //! The keys 1, 2 and 3 choose ambient occlusion alone, `LeanScreenSpaceGi` with `LeanScreenSpaceReflections`, and Bevy's
-//! `ScreenSpaceReflections` on its deferred path; the panel switches each effect. The README lists the other keys. Mouse: left
+//! `ScreenSpaceReflections` on its deferred path; the panel switches each effect. `docs/examples.md` lists the other keys. Mouse: left
 //! orbits, right pans, the wheel zooms.
 
 mod room;

@@ -20,7 +20,7 @@ pub struct Args {
     #[argh(option)]
     headless: Option<String>,
 
-    /// width x height of the pictures or the window, default 1280x720, 960x540 without a GPU
+    /// width x height of the pictures or the window, default 1280x720, 640x360 without a GPU
     #[argh(option, from_str_fn(parse_size))]
     size: Option<UVec2>,
 
@@ -28,7 +28,7 @@ pub struct Args {
     #[argh(option)]
     frames: Option<usize>,
 
-    /// point lights on strings, default 3000
+    /// point lights on strings, default 3000, 200 without a GPU
     #[argh(option)]
     bulbs: Option<usize>,
 
@@ -36,12 +36,12 @@ pub struct Args {
     #[argh(option)]
     figures: Option<usize>,
 
-    /// half of the street, with fewer lights and people and coarser textures: the default without a GPU, and the scene
-    /// of the web page
+    /// half of the street, with fewer lights and people and coarser textures: the scene of the web page, and the default
+    /// without a GPU
     #[argh(switch)]
     small: bool,
 
-    /// the whole street, even without a GPU
+    /// the whole street in large pictures, even without a GPU
     #[argh(switch)]
     full: bool,
 
@@ -54,16 +54,26 @@ pub struct Args {
 impl Args {
     /// Fills in defaults, which depend on the GPU: without one, everything takes a hundred times as long.
     pub fn fill_in(self, has_gpu: bool) -> Wanted {
-        let small = self.small || !(has_gpu || self.full);
-        let detail = if small { Detail::SMALL } else { Detail::FULL };
-        let size = if has_gpu { [1280, 720] } else { [960, 540] };
+        let is_fast = has_gpu || self.full;
+        let detail = match (is_fast, self.small) {
+            (true, false) => Detail::FULL,
+            (true, true) => Detail::SMALL,
+            (false, _) => Detail {
+                bulbs: 200,
+                ..Detail::SMALL
+            },
+        };
+        let (size, frames) = match is_fast {
+            true => ([1280, 720], 20),
+            false => ([640, 360], 3),
+        };
         Wanted {
             model: self.model,
             figure: self.figure,
             headless: self.headless,
             set: self.set,
             size: self.size.unwrap_or(size.into()),
-            frames: self.frames.unwrap_or(if has_gpu { 20 } else { 3 }),
+            frames: self.frames.unwrap_or(frames),
             detail: Detail {
                 bulbs: self.bulbs.unwrap_or(detail.bulbs),
                 figures: self.figures.unwrap_or(detail.figures),

@@ -4,7 +4,7 @@
 //! `cargo run --example showcase -- [--model FILE | --figure FILE] [--headless OUT.png] [--help]`
 //!
 //! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean. The panel switches each effect, moves the camera to the viewpoints
-//! of the street, and lets people stand; the README lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
+//! of the street, and lets people stand; `docs/examples.md` lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 //!
 //! `--headless` writes a picture split into Bevy forward and lean, and beside it one of each effect off and on. It also
 //! prints the cost of each on this machine.
@@ -17,7 +17,10 @@ mod scene;
 mod settings;
 
 use bevy::{
-    anti_alias::smaa::Smaa, camera::Hdr, post_process::bloom::Bloom, prelude::*,
+    anti_alias::smaa::Smaa,
+    camera::{Hdr, ShadowLodOrigin},
+    post_process::bloom::Bloom,
+    prelude::*,
     ui::IsDefaultUiCamera,
 };
 use bevy_lean_deferred::prelude::*;
@@ -100,6 +103,8 @@ fn spawn_camera(mut commands: Commands, is_windowed: bool) {
             ..default()
         },
         IsDefaultUiCamera,
+        // Named because the camera of a picture renders to no window, of which Bevy warns.
+        ShadowLodOrigin,
         PanOrbitCamera {
             button_orbit: MouseButton::Left,
             button_pan: MouseButton::Right,

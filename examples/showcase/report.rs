@@ -45,6 +45,7 @@ pub fn write(headless: Headless, path: &str, frames: usize) -> AppExit {
 }
 
 fn bar() -> ProgressBar {
+    // Each renderer, all effects together, and each of them off and on.
     let pictures = Renderer::ALL.len() + 1 + 2 * Effect::ALL.len();
     let bar = ProgressBar::new(pictures as u64 + 1);
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}");
@@ -76,7 +77,9 @@ impl Report {
         let mut exposures = world.query_filtered::<&Exposure, With<PanelCamera>>();
         self.exposure = exposures.iter(world).next().copied().unwrap_or_default();
         self.settings.exposure = self.exposure;
-        let renderers = self.renderers()?;
+        let forward = self.shoot_without_effects(Renderer::Forward);
+        self.write_all_effects(&forward.picture)?;
+        let renderers = self.renderers(&forward)?;
         let effects = self.effects()?;
         self.bar.finish_and_clear();
         println!("{}\n{}", renderers.markdown(), effects.markdown());
@@ -93,29 +96,37 @@ impl Report {
         self.bar.inc(1);
     }
 
-    /// Measures each renderer without effects. Writes lean with all effects beside forward.
-    fn renderers(&mut self) -> Result<Table, AppExit> {
-        let mut rows = Vec::new();
-        let mut forward = None;
-        for renderer in Renderer::ALL {
-            let shot = self.shoot(renderer.name(), |settings| {
-                settings.renderer = renderer;
-                settings.effects.clear();
-            });
-            let reference = forward.get_or_insert_with(|| shot.picture.clone());
-            rows.push(self.row(renderer, &shot, reference));
-            if renderer == Renderer::Lean {
-                self.save("parity", &reference.split(&shot.picture))?;
-            }
-        }
+    fn shoot_without_effects(&mut self, renderer: Renderer) -> Shot {
+        self.shoot(renderer.name(), |settings| {
+            settings.renderer = renderer;
+            settings.effects.clear();
+        })
+    }
+
+    /// Writes lean with all effects beside forward: the first picture, because it is the one that was asked for.
+    fn write_all_effects(&mut self, forward: &Picture) -> Result<(), AppExit> {
         let all = self.shoot("all effects", |settings| {
+            settings.renderer = Renderer::Lean;
             settings.effects = Effect::ALL.into();
             // Off, because GI replaces it.
             settings.toggle(Effect::AmbientOcclusion);
             settings.toggle(Effect::AutoExposure);
         });
-        if let Some(forward) = forward {
-            self.save("", &forward.split(&all.picture))?;
+        let path = self.save("", &forward.split(&all.picture))?;
+        self.bar.suspend(|| println!("{path}"));
+        Ok(())
+    }
+
+    /// Measures each renderer without effects. Writes lean beside `forward`.
+    fn renderers(&mut self, forward: &Shot) -> Result<Table, AppExit> {
+        let reference = &forward.picture;
+        let mut rows = vec![self.row(Renderer::Forward, forward, reference)];
+        for renderer in [Renderer::BevyDeferred, Renderer::Lean] {
+            let shot = self.shoot_without_effects(renderer);
+            rows.push(self.row(renderer, &shot, reference));
+            if renderer == Renderer::Lean {
+                self.save("parity", &reference.split(&shot.picture))?;
+            }
         }
         let (size, device) = (self.headless.size, self.headless.adapter_and_driver());
         let lights = self.lights();

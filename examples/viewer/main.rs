@@ -5,8 +5,8 @@
 //! Drag a .gltf or .glb file onto the window to show it. If that fails, the old one stays, and the text says why. On Wayland
 //! `winit` 0.30 reports no dropped files: unset `WAYLAND_DISPLAY`, to run under X11.
 //!
-//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean; the README lists the others. Mouse: left orbits, right pans, the
-//! wheel zooms.
+//! The keys 1, 2 and 3 choose Bevy forward, Bevy deferred and lean; `docs/examples.md` lists the others. Mouse: left orbits, right
+//! pans, the wheel zooms.
 
 mod builtin;
 mod sky;

@@ -1,8 +1,10 @@
 //! Updates README and docs from figures, or checks them.
 //!
-//! Two things are made: tables ([`tables`]) and plots ([`plots`]). Links to files that are not there are reported.
+//! Two things are made: tables ([`tables`]) and plots ([`plots`]). Links that lead nowhere are reported ([`links`]), and names of
+//! tests that are not there ([`names`]).
 
 mod links;
+mod names;
 mod plots;
 pub mod tables;
 
@@ -53,6 +55,7 @@ impl Docs {
                 Err(error) => docs.wrong.push(format!("{name}: {error}")),
             }
             (docs.wrong).extend(links::dead(root, name, text, &docs.plots));
+            (docs.wrong).extend(names::dead(root, name, text));
         }
         let missing = missing.iter();
         (docs.wrong).extend(missing.map(|table| format!("no page has the table {table}")));

@@ -8,8 +8,8 @@
 //! 2. *gather* marches over depth from each texel. The sixteen texels of a 4×4 block take different directions.
 //! 3. *filter* averages 4×4 texels of the same surface, which brings the sixteen directions together.
 //!
-//! Lighting adds the light and attenuates environment maps, irradiance volumes and ambient light by the occlusion. GPU times are
-//! recorded as `lean_deferred/effects/diffuse_gi/levels`, `…/gather` and `…/filter`.
+//! Lighting adds the light and attenuates environment maps, irradiance volumes and ambient light by the occlusion. The GPU time of the
+//! three passes is recorded as `lean_deferred/effects/diffuse_gi`.
 
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.

@@ -3,15 +3,14 @@
 //! Put [`LeanScreenSpaceReflections`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. The picture of each frame,
 //! as Bevy's transparent pass leaves it, is kept as history for the next frame. Four passes run between G-buffer and lighting:
 //!
-//! 1. *cells* stores the nearest and the furthest depth of each cell of pixels.
+//! 1. *hi-z* stores the nearest and the furthest depth of each cell of pixels.
 //! 2. *trace* traces a ray from each texel, in one of sixteen directions of the GGX lobe, which a block of 4×4 texels shares. Rays of
 //!    smooth surfaces step from cell to cell and then from pixel to pixel; those of rough ones step in segments that grow with distance.
-//! 3. *lobes* averages the rays around each texel.
+//! 3. *spatial filter* averages the rays around each texel.
 //! 4. *resolve* computes the reflection of each pixel from the rays or lobes around it.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. GPU
-//! times are recorded as `lean_deferred/effects/history`, `lean_deferred/effects/reflections/hi_z`, `…/trace`, `…/spatial_filter` and
-//! `…/resolve`.
+//! times are recorded as `lean_deferred/effects/history` and, of the four passes together, `lean_deferred/effects/reflections`.
 
 // - `settings.rs`: the component.
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.

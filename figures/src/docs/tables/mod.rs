@@ -4,13 +4,13 @@
 
 mod effects;
 mod frames;
-mod readme;
+mod summary;
 
 use crate::{store::Store, table::Table};
 
 /// The tables of all pages by name.
 pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
-    ("README", readme::costs),
+    ("summary", summary::summary),
     ("frame times", frames::frame_times),
     ("many meshes", frames::many_meshes),
     ("light scaling", frames::light_scaling),

@@ -1,4 +1,4 @@
-//! The README's table of gains and costs.
+//! The summary of gains and costs in `docs/frame_times.md`.
 
 use super::UHD;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 
 type Row = [String; 5];
 
-pub fn costs(store: &Store) -> Table {
+pub fn summary(store: &Store) -> Table {
     let columns = ["what", "lean", "Bevy", "error: lean", "error: Bevy"];
     let effects = [occlusion, gi, reflections, scattering, exposure].map(|row| row(store));
     let rows = frames(store).into_iter().chain(effects);
@@ -23,7 +23,7 @@ fn frames(store: &Store) -> [Row; 5] {
     let [lean, forward, deferred] = contenders.map(|name| figures.at("FlightHelmet", name));
     let camera = |m: &frame_times::Measurement| median(m.camera, 2);
     let helmet = [
-        "[frame](docs/frame_times.md), FlightHelmet under a sun".into(),
+        "frame, FlightHelmet under a sun".into(),
         format!("{} ms", camera(lean)),
         format!(
             "forward {}, deferred {} ms",
@@ -64,7 +64,7 @@ fn frames(store: &Store) -> [Row; 5] {
     let [lean, deferred] =
         ["lean", "Bevy deferred"].map(|name| store.light_scaling("h200").at(many, name));
     let lights = [
-        "[lighting, 4,096 lights](docs/light_scaling.md)".into(),
+        "[lighting, 4,096 lights](light_scaling.md)".into(),
         format!("{} ms", median(lean.stage, 1)),
         format!("deferred {} ms", median(deferred.stage, 0)),
         format!("{} dB", fixed(lean.psnr, 1)),
@@ -79,7 +79,7 @@ fn occlusion(store: &Store) -> Row {
     let [own, prepass] = [Some(bevy.own()), figures.more_prepass(bevy)].map(|time| fixed(time, 3));
     let [lean_rmse, bevy_rmse] = [lean, bevy].map(|m| fixed(m.wall.map(|(rmse, _)| rmse), 3));
     [
-        "[occlusion](docs/ambient_occlusion.md)".into(),
+        "[occlusion](internals/ambient_occlusion.md)".into(),
         format!(
             "{:.3} ms, {:.1} bytes",
             figures.all(lean),
@@ -99,7 +99,7 @@ fn gi(store: &Store) -> Row {
     let m = figures.at(UHD, "GI, Medium, Half");
     let [least, most] = ["wall", "groove"].map(|scene| rmse(m, scene));
     [
-        "[diffuse GI](docs/diffuse_gi.md), occlusion included".into(),
+        "[diffuse GI](internals/diffuse_gi.md), occlusion included".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(m), m.bytes),
         "–".into(),
         format!("RMSE {least} to {most} (radius 100 m, timed with 4 m)"),
@@ -115,7 +115,7 @@ fn reflections(store: &Store) -> Row {
         |m: &screen_space::Measurement| ["mirror", "inside", "0.3"].map(|scene| rmse(m, scene));
     let ([mirror, inside, rough], bevys) = (errors(lean), errors(bevy).join(", "));
     [
-        "[reflections](docs/reflections.md)".into(),
+        "[reflections](internals/reflections.md)".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(lean), lean.bytes),
         format!("{:.2} ms, {:.1} bytes", figures.all(bevy), bevy.bytes),
         format!("RMSE (1440×1440) {mirror} in a mirror, {inside} without outlines, {rough} rough"),
@@ -129,7 +129,7 @@ fn scattering(store: &Store) -> Row {
         ["Tenth", "All"].map(|share| figures.at(UHD, &format!("scattering, High, {share}")));
     let [least, most] = ["white", "skin, red"].map(|scene| rmse(all, scene));
     [
-        "[scattering](docs/subsurface_scattering.md), a tenth of the picture".into(),
+        "[scattering](internals/subsurface.md), a tenth of the picture".into(),
         format!("{:.3} ms, {:.1} bytes", figures.all(tenth), tenth.bytes),
         "–".into(),
         format!("RMSE {least} to {most}"),
@@ -147,7 +147,7 @@ fn exposure(store: &Store) -> Row {
         ["LogAverage", "Bevy, filter 0..=1"].map(|name| figures.at(&format!("in an app: {name}")));
     let [lean_time, bevy_time] = [lean, bevy].map(|m| format!("{} ms", median(m.whole, 3)));
     [
-        "[exposure](docs/auto_exposure.md)".into(),
+        "[exposure](internals/auto_exposure.md)".into(),
         lean_time,
         bevy_time,
         // Above the errors at all sizes, of which the largest is 2.2e-8: less than the precision of a float.
