@@ -212,7 +212,10 @@ fn exchange_light(headless: &mut Headless, exchange: LightingIo) {
     change_views(headless, |view| match &found {
         Some(found) => {
             view.insert(IndirectSpecular(Some(found.clone())));
-            view.insert(IndirectDiffuse(Some(found.clone())));
+            view.insert(IndirectDiffuse {
+                texture: Some(found.clone()),
+                is_half: false,
+            });
         }
         None => {
             view.insert(ReadsDiffuseLight);

@@ -209,12 +209,14 @@ pub fn groove_app(size: UVec2, albedo: f32, effect: impl Bundle) -> Headless {
     })
 }
 
-/// Light that a groove sends out after `bounces` bounces of its sky's light: ρL(1 − F) (1 + ρF + …), with all of them ρL(1 − F) / (1 − ρF).
-pub fn groove_light(albedo: f32, bounces: Option<i32>) -> f32 {
-    let of_sky = albedo * (1.0 - OF_OTHER_FACE);
+/// Light that a groove sends out `frames` frames after a cut, with all bounces without. In the first frame nothing is known of the other
+/// face: it has the whole sky's light, ρL. Each later one has the other face's light of the frame before, ρ(1 − F)L + ρF L', which
+/// approaches ρL(1 − F) / (1 − ρF).
+pub fn groove_light(albedo: f32, frames: Option<i32>) -> f32 {
     let again = albedo * OF_OTHER_FACE;
-    let lost = bounces.map_or(0.0, |bounces| again.powi(bounces + 1));
-    of_sky * (1.0 - lost) / (1.0 - again)
+    let last = albedo * (1.0 - OF_OTHER_FACE) / (1.0 - again);
+    let to_come = frames.map_or(0.0, |frames| again.powi(frames));
+    last + (albedo - last) * to_come
 }
 
 /// Relative errors near the bottom of a groove, where the distance is small beside the extent of the faces in the picture.

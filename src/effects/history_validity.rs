@@ -18,11 +18,12 @@ use crate::{
 /// Camera state of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LastFrame {
-    /// Includes the jitter.
+    /// Without the jitter of `TemporalJitter`, which Bevy adds to its own uniforms only: a picture may be displaced by up to half
+    /// a pixel.
     pub clip_from_view: Mat4,
     /// Without the scale of the camera: view space is in metres.
     pub world_from_view: Mat4,
-    /// The part of the target that was drawn, in pixels.
+    /// The part of the target that was drawn, in pixels. It may differ from frame to frame.
     pub viewport: URect,
     /// Factor from light to the values in the picture.
     pub exposure: f32,
@@ -64,9 +65,9 @@ impl LastFrame {
         projection_of(self.clip_from_view) == ProjectionKind::Orthographic
     }
 
-    /// True if the viewports are equal, and both projections are orthographic, or none is.
+    /// True if both projections are orthographic, or none is. Viewports may differ: pictures are mapped by those of their frames.
     fn is_like(&self, other: &Self) -> bool {
-        self.viewport == other.viewport && self.is_orthographic() == other.is_orthographic()
+        self.is_orthographic() == other.is_orthographic()
     }
 }
 
@@ -166,5 +167,10 @@ mod tests {
             });
         assert!(perspective.is_like(&oblique));
         assert!(!perspective.is_like(&orthographic));
+        let resized = LastFrame {
+            viewport: URect::new(8, 4, 60, 40),
+            ..perspective
+        };
+        assert!(perspective.is_like(&resized));
     }
 }

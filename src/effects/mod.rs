@@ -11,9 +11,9 @@
 //! Global illumination, reflections and scattering are for cameras with [`LeanDeferred`](crate::LeanDeferred). They carry light over
 //! the surfaces of this frame, with the light of this frame or of the last one. Lighting blends the first two with environment maps,
 //! probes and ambient light, which they replace in part. Only surfaces in the picture contribute. The last frame is invalid after a
-//! [`CameraCut`](crate::CameraCut), a pause, or a change of the viewport or between perspective and orthographic. With
-//! `MotionVectorPrepass` on the camera, moving surfaces are reprojected along their motion; without it, their light lags one frame
-//! behind. If an app shifts its whole world, all meshes and cameras alike, nothing counts as moved.
+//! [`CameraCut`](crate::CameraCut), a pause, or a change between perspective and orthographic. With `MotionVectorPrepass` on the
+//! camera, moving surfaces are reprojected along their motion; without it, their light lags one frame behind, and surfaces that move
+//! with the camera, such as a weapon, are found in place. If an app shifts its whole world, all meshes and cameras alike, nothing counts as moved.
 //!
 //! [`LeanScreenSpaceAmbientOcclusion`]: ambient_occlusion::LeanScreenSpaceAmbientOcclusion
 //! [`LeanAutoExposure`]: auto_exposure::LeanAutoExposure
@@ -21,7 +21,7 @@
 // - `ambient_occlusion/`: ambient occlusion from depth.
 // - `auto_exposure/`: exposure from the picture.
 // - `history_validity.rs`: detects if the last frame of a view directly precedes this one.
-// - `reprojection.rs`: transforms into the last frame.
+// - `reprojection.{rs,wgsl}`: transforms into the last frame, and the weight with which surfaces are those that it showed.
 // - `world_shift.rs`: detects shifts of the whole world.
 // - `support.rs`: limits that GI, reflections and scattering need.
 // - `history/`: light and depth of the last frame, for effects that request them.

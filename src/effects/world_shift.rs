@@ -20,7 +20,7 @@ pub(super) struct WorldShift(pub(super) DVec3);
 
 /// Least movement of a camera in a frame, in metres, for which meshes are checked. At 60 frames per second this is the speed of a
 /// bullet.
-const LEAST: f32 = 16.0;
+pub(super) const LEAST: f32 = 16.0;
 /// Number of meshes to check, evenly spread over all.
 const SAMPLES: usize = 256;
 /// Quarters of the checked meshes that must share the movement. The others may move on their own.

@@ -3,6 +3,7 @@
 //! - `bindings.rs`: named binding numbers, and bind group layouts from them.
 //! - `bind_group_cache.rs`: bind groups that are recreated only when a bound resource has changed.
 //! - `effect_pipelines.rs`: the passes of an effect, and their pipelines by key.
+//! - `growing_size.rs`: sizes of textures of views that are resized while they are drawn.
 //! - `layout_limits.rs`: counts bindings against the limits of the device.
 //! - `named.rs`: structs of system parameters and queries.
 //! - `needed_limits.rs`: device limits that effects need.
@@ -19,6 +20,7 @@
 pub(crate) mod bind_group_cache;
 pub(crate) mod bindings;
 pub(crate) mod effect_pipelines;
+pub(crate) mod growing_size;
 pub(crate) mod layout_limits;
 pub(crate) mod named;
 pub(crate) mod needed_limits;

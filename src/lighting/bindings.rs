@@ -174,7 +174,7 @@ fn push_target_entries(
     }
     if layouts.io.contains(LightingIo::DIFFUSE_LIGHT) {
         let texture = if view.needs(LightingParts::DIFFUSE_LIGHT) {
-            &view.diffuse_light?.0.default_view
+            &view.diffuse_light?.texture.default_view
         } else {
             &placeholders?.diffuse_light.view
         };

@@ -24,6 +24,8 @@ struct LightingUniform {
     debug_columns: u32,
     /// Parts that the view needs: bits of `parts.wgsl`.
     parts: u32,
+    /// 1 if a texel of `indirect_diffuse_texture` represents 2×2 pixels.
+    diffuse_is_half: u32,
 }
 
 #ifdef LIGHT_LAYERS

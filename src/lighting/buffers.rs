@@ -25,7 +25,7 @@ use super::{
 };
 use crate::{
     shader_library::reconstruction::position::edge_of,
-    view::{ActiveLeanView, AmbientOcclusion, LeanDebugView},
+    view::{ActiveLeanView, AmbientOcclusion, IndirectDiffuse, LeanDebugView},
 };
 
 /// Parameters of a view for the lighting shader, beside Bevy's uniforms.
@@ -44,6 +44,7 @@ pub struct LightingUniform {
     occlusion_of_baked_light: f32,
     debug_columns: u32,
     parts: u32,
+    diffuse_is_half: u32,
 }
 
 /// The crate's own buffers, one for all views.
@@ -64,7 +65,11 @@ pub(super) fn write_lighting_buffers(
         &mut ViewLighting,
         (&ExtractedCamera, &ExtractedView),
         (&ViewTarget, &ActiveLeanView),
-        (Option<&AmbientOcclusion>, Option<&LeanDebugView>),
+        (
+            Option<&AmbientOcclusion>,
+            Option<&IndirectDiffuse>,
+            Option<&LeanDebugView>,
+        ),
         Option<&MainPassResolutionOverride>,
         Option<&GpuAtmosphere>,
     )>,
@@ -92,7 +97,7 @@ pub(super) fn write_lighting_buffers(
         return;
     };
     for (mut lighting, (camera, view), (target, active), of_view, resolution, _) in &mut views {
-        let (occlusion, debug_view) = of_view;
+        let (occlusion, diffuse, debug_view) = of_view;
         let target_size = target_size(target);
         let (origin, size) = lit_pixels(camera, target, resolution);
         let uniform = LightingUniform {
@@ -108,6 +113,7 @@ pub(super) fn write_lighting_buffers(
             occlusion_of_baked_light: occlusion.map_or(0.0, |found| found.of_baked_light),
             debug_columns: debug_view.map_or(0, |view| view.columns(size.x)),
             parts: lighting.parts.bits(),
+            diffuse_is_half: diffuse.is_some_and(|light| light.is_half).into(),
         };
         lighting.bindings.uniform_offsets = [0, 1].map(|writes_background| {
             writer.write(&LightingUniform {

@@ -22,14 +22,14 @@ use crate::view::{ActiveLeanView, DiffuseLight, LightingIo, OutOfMemory};
 /// One word per pixel, with a shared exponent.
 pub(super) const DIFFUSE_LIGHT_FORMAT: TextureFormat = TextureFormat::R32Uint;
 
-/// Assigns a texture, as large as the viewport, to each view whose lighting writes it, and removes it from other lean
-/// views. It is also removed with [`ActiveLeanView`]. It persists between frames: the next one reads it before it is
-/// rewritten.
+/// Assigns a texture, at least as large as the viewport, to each view whose lighting writes it, and removes it from other
+/// lean views. It is also removed with [`ActiveLeanView`]. It persists between frames: the next one reads it before it is
+/// rewritten. In the frame of a reallocation, that is the former texture.
 pub(super) fn prepare_diffuse_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
     mut memory: ResMut<OutOfMemory>,
-    views: Query<(
+    mut views: Query<(
         Entity,
         (
             &ExtractedCamera,
@@ -37,10 +37,11 @@ pub(super) fn prepare_diffuse_light(
             Option<&MainPassResolutionOverride>,
         ),
         &ActiveLeanView,
-        Option<&DiffuseLight>,
+        Option<&mut DiffuseLight>,
     )>,
 ) {
-    for (entity, (camera, target, resolution), active, current) in &views {
+    let largest = device.limits().max_texture_dimension_2d;
+    for (entity, (camera, target, resolution), active, mut current) in &mut views {
         if !active.io.contains(LightingIo::DIFFUSE_LIGHT) {
             if current.is_some() {
                 commands.entity(entity).remove::<DiffuseLight>();
@@ -48,10 +49,18 @@ pub(super) fn prepare_diffuse_light(
             continue;
         }
         // Viewports may be empty.
-        let (_, size) = lit_pixels(camera, target, resolution);
-        let size = size.max(UVec2::ONE).to_extents();
-        if current.is_some_and(|current| current.0.texture.size() == size) {
-            continue;
+        let (_, needed) = lit_pixels(camera, target, resolution);
+        let mut growing = current.as_ref().map(|light| light.size).unwrap_or_default();
+        let size = growing.fit(needed.max(UVec2::ONE), largest, false);
+        let size = size.to_extents();
+        if let Some(current) = &mut current {
+            current.size = growing;
+            if current.last.texture.id() != current.texture.texture.id() {
+                current.last = current.texture.clone();
+            }
+            if current.texture.texture.size() == size {
+                continue;
+            }
         }
         let label = "lean_deferred/lighting/diffuse";
         let descriptor = TextureDescriptor {
@@ -78,6 +87,15 @@ pub(super) fn prepare_diffuse_light(
             texture,
             default_view,
         };
-        commands.entity(entity).insert(DiffuseLight(texture));
+        match current {
+            Some(mut current) => current.texture = texture,
+            None => {
+                commands.entity(entity).insert(DiffuseLight {
+                    last: texture.clone(),
+                    texture,
+                    size: growing,
+                });
+            }
+        }
     }
 }

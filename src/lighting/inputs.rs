@@ -67,7 +67,7 @@ impl LitViewItem<'_, '_> {
     pub(super) fn screen_space_light(&self, kind: LightingIo) -> Option<&TextureView> {
         match kind {
             LightingIo::INDIRECT_SPECULAR => self.indirect_specular?.0.as_ref(),
-            _ => self.indirect_diffuse?.0.as_ref(),
+            _ => self.indirect_diffuse?.texture.as_ref(),
         }
     }
 }

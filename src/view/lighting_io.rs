@@ -11,6 +11,8 @@ use bevy::{
 };
 use bitflags::bitflags;
 
+use crate::gpu::growing_size::GrowingSize;
+
 bitflags! {
     /// Inputs and outputs of lighting that effects provide or read.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -55,17 +57,24 @@ pub struct ScattersLight;
 /// On a view with [`ReadsDiffuseLight`], for as long as it is lean: the part of the picture that surfaces emit,
 /// transmit or reflect diffusely. The picture contains it too.
 ///
-/// `R32Uint`, as large as the viewport, each word with a shared exponent (`layout/light.wgsl`: error at most 1/511 of
-/// the brightest channel). Exposed, before fog; 0 at pixels without a lean mesh. Until lighting writes it, it contains
-/// the light of the last frame, or zeros.
+/// `R32Uint`, at least as large as the viewport, whose light begins in its corner; larger while the size of the viewport
+/// changes. Each word has a shared exponent (`layout/light.wgsl`: error at most 1/511 of the brightest channel).
+/// Exposed, before fog; 0 at pixels without a lean mesh.
 #[derive(Component, Clone)]
-pub struct DiffuseLight(pub CachedTexture);
+pub struct DiffuseLight {
+    /// Lighting writes this frame's light to it.
+    pub texture: CachedTexture,
+    /// Has the light of the last frame until lighting writes to `texture`, which most often is the same one. Zeros if no
+    /// frame came before.
+    pub last: CachedTexture,
+    pub(crate) size: GrowingSize,
+}
 
 /// An effect provides the reflections on surfaces of this view. Lighting blends them with environment maps, reflection
 /// probes and ambient light, with the same Fresnel and roughness terms.
 ///
-/// The texture has a float format and is as large as the viewport. RGB: radiance around the mirrored direction, for the
-/// roughness of the surface (of its coat, if it has one), with the exposure of this frame. Alpha: confidence, 0 to 1,
+/// The texture has a float format and is at least as large as the viewport, whose light begins in its corner. RGB:
+/// radiance around the mirrored direction, for the roughness of the surface (of its coat, if it has one), with the exposure of this frame. Alpha: confidence, 0 to 1,
 /// with which it replaces the other sources. Its visibility was tested, so ambient occlusion does not darken it.
 /// Without a texture there are no reflections.
 #[derive(Component, Clone, Debug, Default)]
@@ -74,12 +83,16 @@ pub struct IndirectSpecular(pub Option<TextureView>);
 /// An effect provides light that surfaces of this view receive from others. Lighting adds it to irradiance volumes,
 /// environment maps and ambient light, except on lightmapped surfaces, whose lightmap contains it.
 ///
-/// The texture has a float format and is as large as the viewport. RGB: irradiance over π (the mean radiance), with the
-/// exposure of this frame. Alpha: occluded fraction of the light from elsewhere, 0 to 1, which replaces ambient
-/// occlusion. Without a texture there is neither light nor occlusion. It may also have half the size per axis, rounded
-/// up: each texel then represents the middle of 2×2 pixels, and lighting upsamples along the edges in depth.
+/// RGB: irradiance over π (the mean radiance), with the exposure of this frame. Alpha: occluded fraction of the light from
+/// elsewhere, 0 to 1, which replaces ambient occlusion. Without a texture there is neither light nor occlusion.
 #[derive(Component, Clone, Debug, Default)]
-pub struct IndirectDiffuse(pub Option<TextureView>);
+pub struct IndirectDiffuse {
+    /// Has a float format, and is at least as large as the viewport, whose light begins in its corner.
+    pub texture: Option<TextureView>,
+    /// True if a texel represents the middle of 2×2 pixels, and the texture has half of that size per axis, rounded up:
+    /// lighting upsamples it along the edges in depth.
+    pub is_half: bool,
+}
 
 /// On a view: an effect occludes ambient light, and lighting is asked to apply that. Has the bits of [`LightingIo`] that
 /// say how, [`AMBIENT_OCCLUSION`](LightingIo::AMBIENT_OCCLUSION) among them.

@@ -60,7 +60,7 @@ fn diffuse_light(headless: &mut Headless) -> Vec<Vec3> {
     let world = headless.app.sub_app_mut(RenderApp).world_mut();
     let mut textures = world.query::<&DiffuseLight>();
     let texture = textures.single(world).expect("it is asked for");
-    let texture = texture.0.texture.clone();
+    let texture = texture.texture.texture.clone();
     let words = headless.read(&texture);
     let words = words.as_chunks::<4>().0.iter();
     words

@@ -1,7 +1,9 @@
 //! Indirect light that effects compute outside lighting is mixed in where environment maps and ambient light are added. These tests replace
 //! the effects by the light that they would compute in uniform surroundings.
 
-use bevy::{camera::Exposure, light::AmbientLight, prelude::*};
+use bevy::{
+    camera::Exposure, light::AmbientLight, prelude::*, render::render_resource::TextureView,
+};
 use bevy_lean_deferred::{
     prelude::*,
     view::{IndirectDiffuse, IndirectSpecular},
@@ -73,10 +75,18 @@ fn find_specular(headless: &mut Headless, texel: [f32; 4]) {
     });
 }
 
+/// Diffuse light of a texture with a texel per pixel.
+fn diffuse_of(texture: &TextureView) -> IndirectDiffuse {
+    IndirectDiffuse {
+        texture: Some(texture.clone()),
+        is_half: false,
+    }
+}
+
 fn find_diffuse(headless: &mut Headless, texel: [f32; 4]) {
     let texture = even_texture(headless, SIZE, texel);
     change_views(headless, |view| {
-        view.insert(IndirectDiffuse(Some(texture.clone())));
+        view.insert(diffuse_of(&texture));
     });
 }
 
@@ -209,7 +219,7 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
         stage(&mut headless, true, SPECIAL);
         let without = settled_light(&mut headless);
         change_views(&mut headless, |view| {
-            view.insert((IndirectSpecular(None), IndirectDiffuse(None)));
+            view.insert((IndirectSpecular(None), IndirectDiffuse::default()));
         });
         let nothing = settled_light(&mut headless);
         assert!(nothing == without, "no textures");
@@ -236,7 +246,7 @@ fn what_is_not_there_or_not_a_number_changes_nothing() {
         let diffuse = even_texture(&headless, UVec2::ONE, [0.2, 0.3, 0.1, 0.4]);
         change_views(&mut headless, |view| {
             view.insert(IndirectSpecular(Some(specular.clone())));
-            view.insert(IndirectDiffuse(Some(diffuse.clone())));
+            view.insert(diffuse_of(&diffuse));
         });
         assert!(settled_light(&mut headless) == full, "a single texel");
         change_views(&mut headless, |view| {

@@ -2,6 +2,7 @@
 
 mod apps;
 mod bounds;
+mod carried;
 mod diffuse_gi;
 mod energy;
 mod film;
@@ -10,6 +11,7 @@ mod hostile;
 mod mirrors;
 mod motion;
 mod reflections;
+mod resized;
 mod scenes;
 mod settings;
 mod subsurface;

@@ -221,7 +221,8 @@ fn most_off(a: &Seen, b: &Seen) -> f32 {
 fn light_stays_when_settings_change() {
     in_own_process(|| {
         let mut headless = build(SIZE, |s| {
-            courtyard(s, surface(0.5, 0.0), surface(0.5, 0.3), 0.4, gi());
+            // Without a sky, whose light would take the place of bounced light after a cut.
+            courtyard(s, surface(0.5, 0.0), surface(0.5, 0.3), 0.0, gi());
         });
         let steady = see(&mut headless, 12);
         change_cameras(&mut headless, |camera| {
@@ -427,7 +428,10 @@ fn texels_grow_and_shrink_with_the_view() {
         let shown = [1438, 1442, 1438].map(|rows| {
             let (seen, heights) = with_rows(&mut headless, rows);
             let side = reflections().texel_side(rows);
-            assert!(heights.contains(&rows.div_ceil(side)), "{heights:?}");
+            // Textures keep the size of a larger view for some frames.
+            let allocated = [rows, 1500].map(|rows| rows.div_ceil(side));
+            let is_of_side = allocated.iter().any(|rows| heights.contains(rows));
+            assert!(is_of_side, "{heights:?}");
             let mut light = seen
                 .iter()
                 .flat_map(|seen| seen.light.texels.iter().flatten());

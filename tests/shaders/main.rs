@@ -8,6 +8,7 @@ mod permutations;
 mod properties;
 mod reconstruction;
 mod reflections;
+mod reprojection;
 mod screen_space;
 mod subsurface;
 mod tile_list;

@@ -6,9 +6,13 @@ pub mod effects {
         pub mod adaptation;
         pub mod luminance;
     }
+    pub mod diffuse_gi {
+        pub mod entry;
+    }
     pub mod reflections {
         pub mod cell;
     }
+    pub mod reprojection;
     pub mod subsurface {
         pub mod profile;
     }

@@ -85,7 +85,7 @@ fn source_of<'a>(
     specular: Option<&'a IndirectSpecular>,
     hits: Option<&'a RayHits>,
 ) -> Option<(Shows, &'a TextureView)> {
-    let diffuse = diffuse.and_then(|light| light.0.as_ref());
+    let diffuse = diffuse.and_then(|light| light.texture.as_ref());
     let specular = specular.and_then(|light| light.0.as_ref());
     Some(match view {
         DebugView::GiLight => (Shows::BareLight, diffuse?),

@@ -1,13 +1,12 @@
 // Bindings of the diffuse GI passes. Each pass imports those that it uses.
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::bindings
 
-#import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
 #import bevy_lean_deferred::effects::diffuse_gi::view::GiUniform
 
 @group(0) @binding(0) var<uniform> view: GiUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
 @group(0) @binding(2) var normal_texture: texture_2d<u32>;
-/// Diffuse light of the last frame, one word per pixel of the viewport.
+/// Diffuse light of the last frame, one word per pixel of its viewport.
 @group(0) @binding(3) var diffuse_light_texture: texture_2d<u32>;
 /// Motion of each pixel since the last frame; valid with `view.has_motion`.
 @group(0) @binding(4) var motion_texture: texture_2d<f32>;
@@ -15,7 +14,7 @@
 @group(0) @binding(5) var<uniform> shown_exposure: vec4<f32>;
 /// Levels of the last frame.
 @group(0) @binding(6) var last_levels: texture_2d<u32>;
-/// Levels of this frame: the bits of depth, and the packed light of the last frame.
+/// Levels of this frame, packed by `pack_entry`.
 @group(0) @binding(7) var levels: texture_2d<u32>;
 @group(0) @binding(8) var level_0: texture_storage_2d<rg32uint, write>;
 @group(0) @binding(9) var level_1: texture_storage_2d<rg32uint, write>;
@@ -28,22 +27,6 @@
 /// Picture after the opaque passes, and the diffuse light of this frame, to which part of it is added.
 @group(0) @binding(15) var picture_texture: texture_2d<f32>;
 @group(0) @binding(16) var diffuse_light_output: texture_storage_2d<r32uint, write>;
-
-/// Texel of a level.
-struct Entry {
-    /// 0 without a surface.
-    depth: f32,
-    /// Light that the surface sent out in the last frame, at this frame's exposure.
-    light: vec3<f32>,
-}
-
-fn pack_entry(entry: Entry) -> vec4<u32> {
-    return vec4(bitcast<u32>(entry.depth), pack_light(entry.light), 0u, 0u);
-}
-
-fn unpack_entry(words: vec2<u32>) -> Entry {
-    return Entry(bitcast<f32>(words.x), unpack_light(words.y));
-}
 
 /// Depth step that separates surfaces `pixels` apart.
 fn edge_step(depth: f32, pixels: f32) -> f32 {

@@ -4,6 +4,7 @@
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     edge_step, gathered_texture, levels, output_texture, view,
 }
+#import bevy_lean_deferred::effects::diffuse_gi::entry::unpack_depth
 
 /// Side of the texels that a workgroup reads: its 8×8, one before and two after.
 const CACHE_SIDE: u32 = 11u;
@@ -19,7 +20,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let texel = corner + vec2<i32>(vec2(read % CACHE_SIDE, read / CACHE_SIDE));
         let inside = clamp(texel, vec2(0), last);
         light[read] = textureLoad(gathered_texture, inside, 0);
-        let depth = bitcast<f32>(textureLoad(levels, inside, 0).r);
+        let depth = unpack_depth(textureLoad(levels, inside, 0).r);
         // Texels beyond the border have no weight.
         depths[read] = select(0.0, depth, all(texel == inside));
     }

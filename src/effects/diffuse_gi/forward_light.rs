@@ -111,7 +111,7 @@ pub(super) fn prepare_forward_light(
                     DEPTH_TEXTURE => depth.view().into_binding(),
                     NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
                     PICTURE_TEXTURE => picture.into_binding(),
-                    DIFFUSE_LIGHT_OUTPUT => light.0.default_view.into_binding(),
+                    DIFFUSE_LIGHT_OUTPUT => light.texture.default_view.into_binding(),
                     _ => return None,
                 })
             });

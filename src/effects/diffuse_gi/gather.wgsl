@@ -1,4 +1,4 @@
-// Gathers the light on each texel from other surfaces, and the share of the hemisphere that they cover. Along slices of the
+// Gathers the light on each texel from other surfaces, and the share of the hemisphere that these cover. Along slices of the
 // picture, each surface above all previous ones covers an arc of the hemisphere and fills it with its light (Mayaux 2018,
 // "Horizon-based indirect lighting"). Cosine-weighted in closed form, like ambient occlusion.
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, is_finite, unpack_normal}
@@ -8,8 +8,9 @@
 #import bevy_lean_deferred::reconstruction::position::{position_on, ray_at, ray_step}
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
-    Entry, depth_texture, edge_step, gathered_output, levels, normal_texture, unpack_entry, view,
+    depth_texture, edge_step, gathered_output, levels, normal_texture, view,
 }
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{Entry, unpack_depth, unpack_entry}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 const SLICES: u32 = #{SLICES}u;
@@ -60,25 +61,28 @@ fn further_out(
 ) -> vec3<f32> {
     let step = round(direction);
     let inside = clamp(texel + vec2<i32>(step), vec2(0), vec2<i32>(view.texture_size) - 1);
-    let beside = bitcast<f32>(textureLoad(levels, inside, 0).r);
+    let beside = unpack_depth(textureLoad(levels, inside, 0).r);
     let slope = beside - depth;
     let is_surface = beside > 0.0 && abs(slope) < edge_step(depth, f32(view.divisor));
     let way = select(0.0, 0.5 * gap, is_surface);
     return delta_to(receiver, texels + step * way, max(depth + slope * way, 0.5 * depth));
 }
 
-/// Light of a surface, averaged over about as many texels as there are to the next sample.
-fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec3<f32> {
+/// Light of a surface times the weight with which it is known, and that weight, averaged over about as many texels as there are to
+/// the next sample.
+fn light_of(texel: vec2<i32>, entry: Entry, gap: f32) -> vec4<f32> {
     let level = clamp(i32(log2(max(gap, 1.0))) - 1, 0, LAST_LEVEL);
+    let fine = vec4(entry.light, 1.0) * entry.known;
     if level == 0 {
-        return entry.light;
+        return fine;
     }
     let coarse = unpack_entry(textureLoad(levels, texel >> vec2(u32(level)), level).rg);
     let is_surface = abs(coarse.depth - entry.depth) < edge_step(entry.depth, f32(view.divisor << u32(level)));
-    return select(entry.light, coarse.light, is_surface);
+    return select(fine, vec4(coarse.light, 1.0) * coarse.known, is_surface);
 }
 
-/// Light from one side of a slice, and in w the part of the hemisphere that it covers.
+/// Light from one side of a slice, and in w the part of the hemisphere that it covers. Surfaces of unknown light count in neither:
+/// the environment that they hide stays in their place.
 fn march(
     receiver: Receiver,
     lobe: SliceNormal,
@@ -113,7 +117,7 @@ fn march(
             highest = height;
             let covered = side_occlusion(lobe, base, height, side);
             let more = max(covered - before, 0.0);
-            found += vec4(light_of(texel, entry, gap), 1.0) * more;
+            found += light_of(texel, entry, gap) * more;
             before = max(covered, before);
         }
     }
@@ -121,8 +125,9 @@ fn march(
 }
 
 fn light_at(texel: vec2<i32>, place: vec2<u32>) -> vec4<f32> {
-    let depth = bitcast<f32>(textureLoad(levels, texel, 0).r);
-    if !(depth > 0.0) {
+    let depth = unpack_depth(textureLoad(levels, texel, 0).r);
+    // Without a last frame, no light is known.
+    if depth == 0.0 || view.exposure_ratio == 0.0 {
         return vec4(0.0);
     }
     let pixel = texel * view.divisor;

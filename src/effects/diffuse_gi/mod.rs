@@ -19,6 +19,7 @@
 // - `textures.rs`: the textures of a view, and its history.
 // - `prepare.rs`: uniforms and bind groups of views.
 // - `pass.rs`: runs the passes.
+// - `entry.wgsl`: the words of the levels.
 // - `levels.wgsl`: depth, and the reprojected light of the last frame.
 // - `gather.wgsl`: light and occlusion of each texel.
 // - `filter.wgsl`: the mean of 4×4 texels.
@@ -58,7 +59,7 @@ use bevy::{
 
 use super::{
     debug_view::DebugViewPlugin, history_validity::HistoryValidityPlugin,
-    shown_exposure::ShownExposurePlugin, support,
+    reprojection::ReprojectionPlugin, shown_exposure::ShownExposurePlugin, support,
 };
 use crate::{
     gpu::{recovery, texture_bytes::texture_bytes},
@@ -83,7 +84,9 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         }
         SharedPlugin::add_to(app);
         HistoryValidityPlugin::add_to(app);
+        ReprojectionPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
+        load_shader_library!(app, "entry.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         embedded_asset!(app, "levels.wgsl");
         embedded_asset!(app, "gather.wgsl");
@@ -107,7 +110,15 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         EffectSystems::DiffuseGi.run_while::<With<LeanScreenSpaceGi>>(render_app);
         let field: fn(&mut LeanMemory) -> &mut u64 = |memory| &mut memory.diffuse_gi;
         memory::count(render_app, field, ViewGi::bytes);
-        memory::count::<DiffuseLight>(render_app, field, |light| texture_bytes(&light.0.texture));
+        memory::count::<DiffuseLight>(render_app, field, |light| {
+            let [now, last] = [&light.texture, &light.last].map(|held| &held.texture);
+            let former = if now.id() == last.id() {
+                0
+            } else {
+                texture_bytes(last)
+            };
+            texture_bytes(now) + former
+        });
         render_app
             .init_gpu_resource::<prepare::GiUniforms>()
             .add_systems(

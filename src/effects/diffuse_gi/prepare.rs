@@ -34,8 +34,8 @@ use crate::{
     gbuffer::GBufferTextures,
     gpu::bind_group_cache::CachedBindGroup,
     view::{
-        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightingIo,
-        OutOfMemory,
+        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LeanDebugView,
+        LightingIo, OutOfMemory,
     },
 };
 
@@ -66,29 +66,45 @@ pub(super) fn prepare_gi(
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
         Option<&CameraCuts>,
-        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
+        (
+            Option<&FrameAveraging>,
+            Has<MotionVectorPrepass>,
+            Option<&LeanDebugView>,
+        ),
         (Option<&mut ViewGi>, &mut IndirectDiffuse),
     )>,
 ) {
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
+    let largest = device.limits().max_texture_dimension_2d;
     for (entity, (active, lean), (camera, view), resolution, cuts, of_view, of_gi) in &mut views {
-        let ((averaging, has_motion), (gi, mut found)) = (of_view, of_gi);
+        let ((averaging, has_motion, debug_view), (gi, mut found)) = (of_view, of_gi);
         if !lean.io.contains(LightingIo::INDIRECT_DIFFUSE) {
             continue;
         }
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut made = None;
-        let size = GiUniform::new(&active.settings, &now, None).texture_size;
+        let GiUniform {
+            texture_size: size,
+            divisor,
+            ..
+        } = GiUniform::new(&active.settings, &now, None);
+        let mut growing = gi.as_ref().map(|gi| gi.growing).unwrap_or_default();
+        let has_other_texels =
+            (gi.as_ref()).is_some_and(|gi| gi.levels[gi.current].divisor != divisor);
+        // Debug views show whole textures.
+        let is_exact = debug_view.is_some() || has_other_texels;
+        let allocated = growing.fit(size, largest, is_exact);
         let held = match gi {
             Some(gi) => {
                 let gi = gi.into_inner();
                 gi.frames.advance(now, cuts, &number);
                 gi.current = 1 - gi.current;
-                let resized = gi.is_of(size)
-                    || (memory.fit(&device, entity, LABEL, || gi.resize(&device, size))).is_some();
-                resized.then_some(gi)
+                let is_resized = gi.is_of(allocated)
+                    || (memory.fit(&device, entity, LABEL, || gi.resize(&device, allocated)))
+                        .is_some();
+                is_resized.then_some(gi)
             }
             None => {
                 let make = || ViewGi::new(&device, view, size, HistoryValidity::new(now, cuts));
@@ -97,12 +113,15 @@ pub(super) fn prepare_gi(
             }
         };
         let Some(gi) = held else {
-            found.0 = None;
+            found.texture = None;
             commands.entity(entity).remove::<ViewGi>();
             continue;
         };
         let mut uniform = GiUniform::new(&active.settings, &now, gi.frames.last());
+        gi.growing = growing;
+        gi.texture_size = size;
         gi.levels[gi.current].divisor = uniform.divisor;
+        gi.levels[gi.current].size = size;
         let last = &gi.levels[1 - gi.current];
         uniform.last_divisor = last.divisor;
         uniform.last_texture_size = last.size;
@@ -111,7 +130,10 @@ pub(super) fn prepare_gi(
         gi.has_motion = has_motion;
         gi.viewport_size = uniform.viewport_size;
         gi.offset = writer.write(&uniform);
-        found.0 = Some(gi.output.view.clone());
+        *found = IndirectDiffuse {
+            texture: Some(gi.output.view.clone()),
+            is_half: uniform.divisor == 2,
+        };
         if let Some(made) = made {
             commands.entity(entity).insert(made);
         }
@@ -169,7 +191,7 @@ pub(super) fn prepare_gi_bind_groups(
                 VIEW => uniforms.clone(),
                 DEPTH_TEXTURE => depth.view().into_binding(),
                 NORMAL_TEXTURE => gbuffer.normal.default_view.into_binding(),
-                DIFFUSE_LIGHT_TEXTURE => light.0.default_view.into_binding(),
+                DIFFUSE_LIGHT_TEXTURE => light.last.default_view.into_binding(),
                 MOTION_TEXTURE if gi.has_motion => {
                     let motion = prepass?.motion_vectors.as_ref()?;
                     motion.texture.default_view.into_binding()

@@ -11,7 +11,9 @@ use crate::{
         history_validity::{HistoryValidity, LastFrame},
         shown_exposure::{BoundedByWhite, ShownExposure},
     },
-    gpu::{storage_texture::StorageTexture, texture_bytes::texture_bytes},
+    gpu::{
+        growing_size::GrowingSize, storage_texture::StorageTexture, texture_bytes::texture_bytes,
+    },
     shader_library::tiles,
 };
 
@@ -25,6 +27,8 @@ const PHASES: u32 = 16;
 /// Depth and light of the texels of a frame.
 pub(super) struct Levels {
     pub(super) texture: StorageTexture<{ LEVEL_COUNT as usize }>,
+    allocated: UVec2,
+    /// Size of the viewport in texels. The texture may be larger.
     pub(super) size: UVec2,
     /// Side of a texel in pixels.
     pub(super) divisor: i32,
@@ -35,6 +39,7 @@ impl Levels {
         let label = "lean_deferred/effects/diffuse_gi/levels";
         Self {
             texture: StorageTexture::new(device, label, size, LEVELS_FORMAT),
+            allocated: size,
             size,
             divisor: 1,
         }
@@ -44,13 +49,16 @@ impl Levels {
 /// On a view with diffuse GI: its history, and the outputs of the passes.
 #[derive(Component)]
 pub struct ViewGi {
-    /// Of this frame and the last one, alternating. After a change of the resolution, their sizes differ.
+    /// Of this frame and the last one, alternating. While the resolution changes, their sizes differ.
     pub(super) levels: [Levels; 2],
     pub(super) current: usize,
     pub(super) gathered: StorageTexture,
     pub(super) output: StorageTexture,
-    /// Size of all textures but the last frame's levels.
-    texture_size: UVec2,
+    pub(super) growing: GrowingSize,
+    /// Size of `gathered` and `output`.
+    allocated: UVec2,
+    /// Size of the viewport in texels. Textures may be larger.
+    pub(super) texture_size: UVec2,
     pub(super) viewport_size: UVec2,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
     pub(super) has_motion: bool,
@@ -72,6 +80,8 @@ impl ViewGi {
             current: 0,
             gathered,
             output,
+            growing: default(),
+            allocated: texture_size,
             texture_size,
             viewport_size: UVec2::ZERO,
             has_motion: false,
@@ -81,19 +91,19 @@ impl ViewGi {
         }
     }
 
-    /// True if the textures that this frame writes have this size.
+    /// True if the textures that this frame writes are allocated with this size.
     pub(super) fn is_of(&self, size: UVec2) -> bool {
-        self.texture_size == size && self.levels[self.current].size == size
+        self.allocated == size && self.levels[self.current].allocated == size
     }
 
     /// Creates those textures anew where they have another size. The last frame's levels stay as they are.
     pub(super) fn resize(&mut self, device: &RenderDevice, size: UVec2) {
-        if self.levels[self.current].size != size {
+        if self.levels[self.current].allocated != size {
             self.levels[self.current] = Levels::new(device, size);
         }
-        if self.texture_size != size {
+        if self.allocated != size {
             [self.gathered, self.output] = outputs(device, size);
-            self.texture_size = size;
+            self.allocated = size;
         }
     }
 

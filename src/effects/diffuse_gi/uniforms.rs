@@ -8,16 +8,21 @@ use super::settings::LeanScreenSpaceGi;
 use crate::{
     effects::{
         history_validity::LastFrame,
-        reprojection::{exposure_ratio, last_pixel_from_view, up_to},
+        reprojection::{exposure_ratio, last_pixel_from_view, may_carry_surfaces, up_to},
         resolution,
     },
     shader_library::reconstruction::position::{
-        edge_of, pixels_per_metre, pixels_per_ray, view_from_pixel,
+        ProjectionKind, edge_of, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
     },
 };
 
 /// Largest radius on screen, as a share of the viewport's height.
 const LARGEST_RADIUS: f32 = 0.5;
+/// Share of its distance by which a surface with a motion vector may come nearer, or move away, in a frame on its own: at 60 frames
+/// per second, 7.5 m/s at 4 m.
+const APPROACH: f32 = 1.0 / 32.0;
+/// The same in orthographic views, in metres: 7.5 m/s.
+const APPROACH_METRES: f32 = 0.125;
 /// Upper bound of the radius, in metres.
 const LARGEST_METRES: f32 = 1e9;
 
@@ -31,8 +36,10 @@ pub struct GiUniform {
     pixels_per_metre: Vec2,
     pixels_per_ray: Vec2,
     edge: Vec2,
+    approach: Vec2,
     viewport_origin: UVec2,
     pub(super) viewport_size: UVec2,
+    last_viewport_size: UVec2,
     pub(super) texture_size: UVec2,
     pub(super) last_texture_size: UVec2,
     pub(super) divisor: i32,
@@ -45,6 +52,7 @@ pub struct GiUniform {
     exposure_ratio: f32,
     pub(super) turn: f32,
     pub(super) has_motion: u32,
+    carries_surfaces: u32,
 }
 
 impl GiUniform {
@@ -63,8 +71,10 @@ impl GiUniform {
             pixels_per_metre: pixels_per_metre(clip_from_view, size),
             pixels_per_ray: pixels_per_ray(view_from_pixel),
             edge: edge_of(clip_from_view, size),
+            approach: approach_of(clip_from_view),
             viewport_origin: now.viewport.min,
             viewport_size: size,
+            last_viewport_size: last.map_or(size, |last| last.viewport.size()),
             texture_size,
             last_texture_size: texture_size,
             divisor: divisor as i32,
@@ -78,6 +88,20 @@ impl GiUniform {
             exposure_ratio: exposure_ratio(now, last),
             turn: 0.0,
             has_motion: 0,
+            carries_surfaces: last
+                .is_some_and(|last| may_carry_surfaces(now, last))
+                .into(),
         }
+    }
+}
+
+/// x and y such that `x * depth + y` is the depth step of a surface that comes nearer by [`APPROACH`].
+fn approach_of(clip_from_view: Mat4) -> Vec2 {
+    let z = clip_from_view.z_axis.z;
+    if projection_of(clip_from_view) == ProjectionKind::Orthographic {
+        Vec2::new(0.0, APPROACH_METRES * z.abs())
+    } else {
+        // Depth plus this is inverse to distance.
+        Vec2::new(APPROACH, APPROACH * z)
     }
 }

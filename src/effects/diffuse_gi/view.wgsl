@@ -14,8 +14,12 @@ struct GiUniform {
     pixels_per_ray: vec2<f32>,
     /// `edge.x * depth + edge.y` is the depth step that separates surfaces one pixel apart.
     edge: vec2<f32>,
+    /// `approach.x * depth + approach.y` is the depth step by which a surface may come nearer, or move away, in a frame on its own.
+    approach: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
+    /// Size of the viewport in the last frame.
+    last_viewport_size: vec2<u32>,
     /// Size of the viewport in texels.
     texture_size: vec2<u32>,
     /// The same in the last frame.
@@ -37,4 +41,6 @@ struct GiUniform {
     /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
     /// frames, and compiling shaders would leave the view without light meanwhile.
     has_motion: u32,
+    /// 1 if the camera moved, so that surfaces may have moved with it. Without motion vectors these are looked for in place.
+    carries_surfaces: u32,
 }

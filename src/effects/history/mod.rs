@@ -1,7 +1,8 @@
 //! History of a view: light and depth of its last frame, before post-processing, for effects that read them in this frame.
 //!
 //! An effect inserts [`ReadsHistory`] on its views and reads [`ViewHistory`] there. The history is valid if its frame directly
-//! precedes this one: not after a cut, a pause, a change of the viewport or between perspective and orthographic.
+//! precedes this one: not after a cut, a pause, or a change between perspective and orthographic. The viewport may change: textures
+//! are mapped by that of their own frame.
 //!
 //! - `request.rs`: the component that asks for a history.
 //! - `prepare.rs`: the textures and their validity.

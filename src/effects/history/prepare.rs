@@ -30,8 +30,9 @@ use crate::{
         world_shift::WorldShift,
     },
     gpu::{
-        bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
-        storage_texture::StorageTexture, texture_bytes::texture_bytes,
+        bind_group_cache::CachedBindGroup, growing_size::GrowingSize,
+        picture_bind_groups::PictureBindGroups, storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
     },
     view::{CameraCuts, OutOfMemory},
 };
@@ -40,6 +41,8 @@ const LABEL: &str = "lean_deferred/effects/history";
 const LEVEL_COUNT: usize = (LEVELS[0] + LEVELS[1]) as usize;
 /// Texels per side that a workgroup reads.
 const BLOCK_SIDE: u32 = 16;
+/// Side of the last level's texel, in pixels.
+const BORDER: u32 = 1 << (LEVEL_COUNT - 1);
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
@@ -47,7 +50,8 @@ pub(in crate::effects) struct HistoryUniforms(DynamicUniformBuffer<HistoryUnifor
 
 /// On a view of the render world with [`ReadsHistory`]: its last frame.
 ///
-/// The texture has the size of the viewport, rounded up to a multiple of the last level's texel. Its colour is the lit image, linear
+/// The texture has the size of that frame's viewport, rounded up to a multiple of the last level's texel, and is larger while that
+/// size changes. The picture begins in its corner. Its colour is the lit image, linear
 /// and exposed as the last frame was: finite, and at most 1024 times the light that showed as white. Its alpha is the distance of
 /// the surface along the view direction, in metres times [`units_per_metre`](Self::units_per_metre); 65504 where there is none.
 /// Coarser levels average over their texels: colour is the light of surfaces, 0 for texels without one, and alpha the share of
@@ -55,6 +59,11 @@ pub(in crate::effects) struct HistoryUniforms(DynamicUniformBuffer<HistoryUnifor
 #[derive(Component)]
 pub struct ViewHistory {
     kept: StorageTexture<LEVEL_COUNT>,
+    /// This frame is written to it, and not to `kept`, if its size differs.
+    next: Option<StorageTexture<LEVEL_COUNT>>,
+    growing: GrowingSize,
+    /// Size of the part that this frame writes.
+    written: UVec2,
     /// Bind groups of the first dispatch.
     pictures: PictureBindGroups,
     means: CachedBindGroup,
@@ -73,7 +82,8 @@ impl ViewHistory {
 
     pub(super) fn bytes(&self) -> u64 {
         let copy = self.opaque_depth.as_ref().map(|copy| &copy.texture);
-        let textures = [&self.kept.texture].into_iter().chain(copy);
+        let next = self.next.as_ref().map(|next| &next.texture);
+        let textures = [&self.kept.texture].into_iter().chain(next).chain(copy);
         textures.map(texture_bytes).sum::<u64>() + self.shown_exposure.bytes()
     }
 
@@ -93,9 +103,14 @@ impl ViewHistory {
         &self.kept.texture
     }
 
+    /// Texture that this frame is written to.
+    fn output(&self) -> &StorageTexture<LEVEL_COUNT> {
+        self.next.as_ref().unwrap_or(&self.kept)
+    }
+
     /// Size of the first level, in texels.
     pub fn size(&self) -> UVec2 {
-        UVec2::new(self.kept.texture.width(), self.kept.texture.height())
+        size_of(&self.kept)
     }
 
     /// Bind groups of the dispatches, of which the first reads `picture`.
@@ -114,8 +129,8 @@ impl ViewHistory {
 
     /// Workgroups of the dispatches.
     pub(super) fn workgroups(&self) -> [UVec2; PASSES.len()] {
-        let last_of_first = self.size() >> (LEVELS[0] - 1);
-        [self.size(), last_of_first].map(|texels| texels.map(|side| side.div_ceil(BLOCK_SIDE)))
+        let last_of_first = self.written >> (LEVELS[0] - 1);
+        [self.written, last_of_first].map(|texels| texels.map(|side| side.div_ceil(BLOCK_SIDE)))
     }
 
     /// Marks this frame's light as stored.
@@ -131,6 +146,9 @@ impl ViewHistory {
     ) -> Self {
         Self {
             kept: StorageTexture::new(device, LABEL, size, FORMAT),
+            next: None,
+            growing: default(),
+            written: size,
             pictures: default(),
             means: default(),
             frames,
@@ -147,10 +165,13 @@ impl BoundedByWhite for ViewHistory {
     }
 }
 
+fn size_of(texture: &StorageTexture<LEVEL_COUNT>) -> UVec2 {
+    UVec2::new(texture.texture.width(), texture.texture.height())
+}
+
 /// Size of the texture for a viewport: a multiple of the last level's texel.
 fn texture_size(viewport_size: UVec2) -> UVec2 {
-    let side = 1 << (LEVEL_COUNT - 1);
-    viewport_size.map(|length| length.max(1).next_multiple_of(side))
+    viewport_size.map(|length| length.max(1).next_multiple_of(BORDER))
 }
 
 /// Drops all histories. Runs on each new device.
@@ -181,6 +202,8 @@ pub(in crate::effects) fn prepare_histories(
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
+    // Multiples of the last level's texel.
+    let largest = device.limits().max_texture_dimension_2d & !(BORDER - 1);
     for (entity, (view, camera), (msaa, is_3d), resolution, cuts, history) in &mut views {
         // Multisampled depth cannot be resolved, and the depth of 2D cameras cannot be sampled.
         if msaa.samples() != 1 || !is_3d {
@@ -188,24 +211,40 @@ pub(in crate::effects) fn prepare_histories(
             continue;
         }
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
-        let size = now.viewport.size();
+        let needed = texture_size(now.viewport.size());
+        let mut growing = history
+            .as_ref()
+            .map(|held| held.growing)
+            .unwrap_or_default();
+        let size = texture_size(growing.fit(needed, largest, false));
         let mut made = None;
-        let history = match history {
-            Some(history) if history.size() == texture_size(size) => {
+        let held = match history {
+            Some(history) => {
                 let history = history.into_inner();
                 history.frames.advance(now, cuts, &number);
-                history
+                if let Some(next) = history.next.take() {
+                    history.kept = next;
+                }
+                if history.size() != size {
+                    let make = || StorageTexture::new(&device, LABEL, size, FORMAT);
+                    history.next = memory.fit(&device, entity, LABEL, make);
+                }
+                (size_of(history.output()) == size).then_some(history)
             }
-            _ => {
+            None => {
                 let frames = HistoryValidity::new(now, cuts);
-                let make = || ViewHistory::new(&device, view, texture_size(size), frames);
-                let Some(new) = memory.fit(&device, entity, LABEL, make) else {
-                    commands.entity(entity).remove::<ViewHistory>();
-                    continue;
-                };
-                made.insert(new)
+                let make = || ViewHistory::new(&device, view, size, frames);
+                made = memory.fit(&device, entity, LABEL, make);
+                made.as_mut()
             }
         };
+        let Some(history) = held else {
+            commands.entity(entity).remove::<ViewHistory>();
+            continue;
+        };
+        history.growing = growing;
+        // A border of the last pixels, so that readers interpolate with these at the edge.
+        history.written = (needed + BORDER).min(size);
         history.offset = writer.write(&HistoryUniform::new(&now));
         if let Some(made) = made {
             commands.entity(entity).insert(made);
@@ -231,7 +270,8 @@ pub(in crate::effects) fn prepare_history_bind_groups(
             None => depth.view(),
         };
         let shown_exposure = &history.shown_exposure;
-        let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
+        let output = history.next.as_ref().unwrap_or(&history.kept);
+        let (first, rest) = output.levels.split_at(LEVELS[0] as usize);
         let [of_picture, of_level] = pipelines.specialize(&cache, HistoryKey) else {
             continue;
         };

@@ -68,6 +68,7 @@ use bevy::{
 use super::{
     debug_view::{DebugViewPlugin, RayHits},
     history::{HistoryPlugin, ReadsHistory, prepare_histories, prepare_history_bind_groups},
+    reprojection::ReprojectionPlugin,
     support,
 };
 use crate::{
@@ -92,6 +93,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         }
         SharedPlugin::add_to(app);
         HistoryPlugin::add_to(app);
+        ReprojectionPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "cell.wgsl");

@@ -30,17 +30,18 @@ use super::{
 };
 use crate::{
     effects::{
-        debug_view::RayHits, history::ViewHistory, history_validity::LastFrame,
+        debug_view::RayHits, history::ViewHistory, history_validity::LastFrame, resolution,
         world_shift::WorldShift,
     },
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
-        texture_bytes::texture_bytes,
+        bind_group_cache::CachedBindGroup, growing_size::GrowingSize,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
     shader_library::tiles,
     view::{
-        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
+        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LeanDebugView,
+        LightingIo, OutOfMemory,
     },
 };
 
@@ -62,6 +63,10 @@ pub struct ViewReflections {
     hits: StorageTexture,
     filtered: StorageTexture,
     output: StorageTexture,
+    growing: GrowingSize,
+    /// Size of `output`. Other textures follow from it, and from the side of their texels.
+    allocated: UVec2,
+    divisor: u32,
     viewport_size: UVec2,
     texture_size: UVec2,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
@@ -70,11 +75,12 @@ pub struct ViewReflections {
 }
 
 impl ViewReflections {
-    fn new(device: &RenderDevice, view: &ReflectionUniform) -> Self {
-        let hi_z = cell_count(view.viewport_size);
+    /// Textures for viewports of up to `allocated` pixels, with texels of `divisor` pixels per side.
+    fn new(device: &RenderDevice, allocated: UVec2, divisor: u32) -> Self {
+        let hi_z = cell_count(allocated);
         // Cells of 4, 16 and 64 pixels, stacked vertically.
         let hi_z = UVec2::new(hi_z.x * 16, hi_z.y * (16 + 4 + 1));
-        let texels = view.texture_size;
+        let texels = resolution::texels(allocated, divisor);
         let texture = |label, size, format| StorageTexture::new(device, label, size, format);
         Self {
             hi_z: texture("lean_deferred/effects/reflections/hi_z", hi_z, HI_Z_FORMAT),
@@ -100,18 +106,17 @@ impl ViewReflections {
             ),
             output: texture(
                 "lean_deferred/effects/reflections/output",
-                view.viewport_size,
+                allocated,
                 LIGHT_FORMAT,
             ),
-            viewport_size: view.viewport_size,
-            texture_size: view.texture_size,
+            growing: default(),
+            allocated,
+            divisor,
+            viewport_size: UVec2::ZERO,
+            texture_size: UVec2::ZERO,
             has_motion: false,
             offset: 0,
         }
-    }
-
-    fn is_for(&self, view: &ReflectionUniform) -> bool {
-        (self.viewport_size, self.texture_size) == (view.viewport_size, view.texture_size)
     }
 
     /// Workgroups of the passes.
@@ -162,7 +167,11 @@ pub(super) fn prepare_reflections(
         (&ActiveReflections, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
         Option<&MainPassResolutionOverride>,
-        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
+        (
+            Option<&FrameAveraging>,
+            Has<MotionVectorPrepass>,
+            Option<&LeanDebugView>,
+        ),
         Option<&ViewHistory>,
         (
             Option<&mut ViewReflections>,
@@ -174,8 +183,10 @@ pub(super) fn prepare_reflections(
     let Some(mut writer) = (uniforms.0).get_writer(views.iter().len(), &device, &queue) else {
         return;
     };
+    let largest = device.limits().max_texture_dimension_2d;
     for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
-        let ((averaging, has_motion), (reflections, mut found, has_hits)) = (of_view, held);
+        let ((averaging, has_motion, debug_view), (reflections, mut found, has_hits)) =
+            (of_view, held);
         // The first frame has no history.
         let Some(history) = history else {
             found.0 = None;
@@ -192,10 +203,18 @@ pub(super) fn prepare_reflections(
         uniform.has_specialization = lean.targets.contains(GBufferTargets::SPECIALIZATION).into();
         uniform.shows_hits = active.shows_hits.into();
         let mut made = None;
+        let (size, divisor) = (uniform.viewport_size, active.key.divisor);
+        let mut growing = reflections
+            .as_ref()
+            .map(|held| held.growing)
+            .unwrap_or_default();
+        // Debug views show whole textures.
+        let allocated = growing.fit(size, largest, debug_view.is_some());
+        let fits = |held: &ViewReflections| (held.allocated, held.divisor) == (allocated, divisor);
         let reflections = match reflections {
-            Some(reflections) if reflections.is_for(&uniform) => reflections.into_inner(),
+            Some(held) if fits(&held) => held.into_inner(),
             _ => {
-                let make = || ViewReflections::new(&device, &uniform);
+                let make = || ViewReflections::new(&device, allocated, divisor);
                 let Some(new) =
                     memory.fit(&device, entity, "lean_deferred/effects/reflections", make)
                 else {
@@ -207,6 +226,9 @@ pub(super) fn prepare_reflections(
             }
         };
         uniform.has_motion = has_motion.into();
+        reflections.growing = growing;
+        reflections.viewport_size = size;
+        reflections.texture_size = uniform.texture_size;
         reflections.has_motion = has_motion;
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());

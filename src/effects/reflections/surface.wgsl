@@ -8,6 +8,7 @@
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
 }
+#import bevy_lean_deferred::effects::reprojection::{filled_up, own_motion, weight_of_match}
 #import bevy_lean_deferred::shading_models::clearcoat::{unpack_clearcoat_roughness, unpack_clearcoat_strength}
 
 struct Mirror {
@@ -19,6 +20,10 @@ struct Mirror {
 
 /// Above any roughness.
 const NO_MIRROR: f32 = 2.0;
+
+/// Depth steps by which a surface may have moved towards the camera or away from it for each pixel that it moved across on its own: a
+/// step is eight pixels deep (`STEEPEST`).
+const DEEP_PER_PIXEL: f32 = 0.125;
 
 fn normal_word_at(pixel: vec2<i32>) -> u32 {
     return textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
@@ -70,43 +75,69 @@ fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
     return mix(fine, mean, level);
 }
 
-/// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w is 1, or 0 if that frame did
-/// not show it. `level` is that of the history.
-fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
-    let last = view.last_pixel_from_view * vec4(position, 1.0);
-    // Behind the camera, or NaN.
-    if !(last.w > 0.0) {
-        return vec4(0.0);
-    }
-    var at = last.xy / last.w;
-    let distance = dot(view.last_distance, vec4(position, 1.0));
+/// Pixels of depth steps within which the last frame shows the same surface. Its weight is 0 from twice as many on: a step separates
+/// surfaces a pixel apart.
+const SAME_SURFACE: f32 = 0.5;
+
+/// Metres that separate surfaces `pixels` apart, `distance` metres away.
+fn step_at(distance: f32, pixels: f32) -> f32 {
 #ifdef PROJECTION_ORTHOGRAPHIC
-    var tolerance = view.edge_metres;
+    return view.edge_metres * pixels;
 #else
-    var tolerance = abs(distance) * view.edge_metres;
+    return abs(distance) * view.edge_metres * pixels;
 #endif
-    if view.has_motion != 0u {
-        let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
-        let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
-        at = place.xy - motion * vec2<f32>(view.viewport_size);
-        // The surface may have come nearer.
-        tolerance += view.thickness;
-    }
-    let is_inside = all(at >= vec2(0.0)) && all(at < vec2<f32>(view.viewport_size));
+}
+
+/// Light that the last frame showed at `at`, in its pixels, on the surface whose distance was `at_rest`, `with_view`, or between the
+/// two. w: the weight, 0 to 1, with which it is that surface. `level` is that of the history.
+fn kept_light(at: vec2<f32>, at_rest: f32, with_view: f32, metres: f32, level: f32) -> vec4<f32> {
+    // Half floats have eleven significant bits.
+    let tolerance = metres + 0.001 * max(abs(at_rest), abs(with_view));
+    let is_inside = all(at >= vec2(0.0)) && all(at < view.last_viewport_size);
     // Distances of the four texels around, gathered at their common corner: near a texel's centre, rounding may select others.
     let first = floor(at - 0.5);
     let is_second = at - 0.5 - first >= vec2(0.5);
     let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size) * view.metres_per_unit;
     let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
-    // Half floats have eleven significant bits.
-    let rounding = 0.002 * abs(distance);
+    var place = at;
     if level < 1.0 {
         // Interpolates within a surface, else takes the nearest texel.
         let off = abs(around - kept);
         let most = max(max(off.x, off.y), max(off.z, off.w));
-        at = select(at, floor(at) + 0.5, most > tolerance + rounding);
+        place = select(at, floor(at) + 0.5, most > tolerance);
     }
-    let light = mean_light(at / view.history_size, level);
-    let is_seen = is_inside && abs(kept - distance) <= tolerance + rounding;
-    return select(vec4(0.0), vec4(light * view.exposure_ratio, 1.0), is_seen);
+    let light = mean_light(place / view.history_size, level) * view.exposure_ratio;
+    let weight = weight_of_match(kept, at_rest, with_view, tolerance);
+    return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
+}
+
+/// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
+/// which that frame showed it. `level` is that of the history.
+fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
+    let last = view.last_pixel_from_view * vec4(position, 1.0);
+    // Not behind the camera, nor NaN.
+    let was_in_front = last.w > 0.0;
+    let at_rest = select(vec2(-1.0), last.xy / last.w, was_in_front);
+    let distance_at_rest = dot(view.last_distance, vec4(position, 1.0));
+    // A surface that moves with the camera stays where it is.
+    let with_view = place.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
+    let distance = -position.z;
+    var at = at_rest;
+    var expected = vec2(distance_at_rest);
+    var metres = step_at(distance_at_rest, SAME_SURFACE);
+    if view.has_motion != 0u {
+        let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
+        let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
+        at = with_view - motion * view.last_viewport_size;
+        expected = vec2(select(distance, distance_at_rest, was_in_front), distance);
+        // A surface that moves on its own may also come nearer or move away: by less than `thickness`, which is twice the tolerance.
+        let own = DEEP_PER_PIXEL * own_motion(at, at_rest, with_view);
+        metres = step_at(distance, SAME_SURFACE + own) + 0.5 * view.thickness;
+    }
+    // At rest, surfaces that were behind the camera are outside of the view: `at` is negative.
+    var light = kept_light(at, expected.x, expected.y, metres, level);
+    if view.has_motion == 0u && view.carries_surfaces != 0u && light.w < 1.0 {
+        light = filled_up(light, kept_light(with_view, distance, distance, step_at(distance, SAME_SURFACE), level));
+    }
+    return light;
 }

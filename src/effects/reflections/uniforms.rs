@@ -7,7 +7,10 @@ use crate::{
     effects::{
         history::units_per_metre,
         history_validity::LastFrame,
-        reprojection::{exposure_ratio, last_distance, last_pixel_from_view, pixels_of, up_to},
+        reprojection::{
+            exposure_ratio, last_distance, last_pixel_from_view, may_carry_surfaces, pixels_of,
+            up_to,
+        },
         resolution,
     },
     shader_library::reconstruction::position::{
@@ -31,6 +34,7 @@ pub struct ReflectionUniform {
     edge: Vec2,
     behind: Vec2,
     pub(super) history_size: Vec2,
+    last_viewport_size: Vec2,
     viewport_origin: UVec2,
     pub(super) viewport_size: UVec2,
     pub(super) texture_size: UVec2,
@@ -50,6 +54,7 @@ pub struct ReflectionUniform {
     pub(super) has_motion: u32,
     pub(super) has_specialization: u32,
     pub(super) shows_hits: u32,
+    carries_surfaces: u32,
 }
 
 impl ReflectionUniform {
@@ -76,6 +81,7 @@ impl ReflectionUniform {
             edge: edge_of(clip_from_view, size),
             behind: behind_of(clip_from_view, thickness),
             history_size: Vec2::ONE,
+            last_viewport_size: last.map_or(size, |last| last.viewport.size()).as_vec2(),
             viewport_origin: now.viewport.min,
             viewport_size: size,
             texture_size: resolution::texels(size, divisor),
@@ -95,6 +101,9 @@ impl ReflectionUniform {
             has_motion: 0,
             has_specialization: 0,
             shows_hits: 0,
+            carries_surfaces: last
+                .is_some_and(|last| may_carry_surfaces(now, last))
+                .into(),
         }
     }
 }

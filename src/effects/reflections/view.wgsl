@@ -18,8 +18,10 @@ struct ReflectionUniform {
     edge: vec2<f32>,
     /// Parameters of `behind`, the depth of the backs of surfaces.
     behind: vec2<f32>,
-    /// Size of the history's first level.
+    /// Size of the texture of the history's first level, which may be larger than the last frame's viewport.
     history_size: vec2<f32>,
+    /// Size of the viewport in the last frame.
+    last_viewport_size: vec2<f32>,
     viewport_origin: vec2<u32>,
     viewport_size: vec2<u32>,
     /// Size of the viewport in texels.
@@ -58,4 +60,6 @@ struct ReflectionUniform {
     has_specialization: u32,
     /// 1 if a debug view shows the hits, which are then written for texels without a ray too.
     shows_hits: u32,
+    /// 1 if the camera moved, so that surfaces may have moved with it. Without motion vectors these are looked for in place.
+    carries_surfaces: u32,
 }

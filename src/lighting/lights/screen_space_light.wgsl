@@ -56,7 +56,7 @@ fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpa
     return found;
 }
 
-/// `place`, clamped to the texture, which may have a single texel or be of another frame's size.
+/// `place`, clamped to the texture, which may have a single texel.
 fn inside(place: vec2<i32>, texture: texture_2d<f32>) -> vec2<i32> {
     return clamp(place, vec2(0), vec2<i32>(textureDimensions(texture)) - 1);
 }
@@ -69,8 +69,7 @@ fn finite(texel: vec4<f32>) -> vec4<f32> {
 
 #ifdef INDIRECT_DIFFUSE
 fn indirect_diffuse(place: vec2<i32>, depth: f32) -> vec4<f32> {
-    let size = textureDimensions(indirect_diffuse_texture);
-    if all(size >= uniforms.viewport_size) || any(size != (uniforms.viewport_size + 1u) / 2u) {
+    if uniforms.diffuse_is_half == 0u {
         return finite(textureLoad(indirect_diffuse_texture, inside(place, indirect_diffuse_texture), 0));
     }
     return scaled_up(place, depth);
@@ -93,6 +92,8 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
     let first = (place + 1) / 2 - 1;
     let is_near = (place & vec2(1)) == vec2(0);
+    // The texture may be larger.
+    let last = vec2<i32>(uniforms.viewport_size + 1u) / 2 - 1;
     var sum = vec4(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
@@ -105,7 +106,7 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
         let alike = saturate(2.0 - abs(other - expected) * inverse_step);
         // The least weight keeps the sum valid where no texel matches.
         let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
-        sum += weight * finite(textureLoad(indirect_diffuse_texture, inside(texel, indirect_diffuse_texture), 0));
+        sum += weight * finite(textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0));
         weights += weight;
     }
     return sum / weights;

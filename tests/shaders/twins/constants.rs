@@ -14,7 +14,9 @@ use bevy_lean_deferred::{
     shading_models::MODELS,
 };
 use kit::reference::{
-    effects::{auto_exposure::luminance, reflections::cell, subsurface::profile},
+    effects::{
+        auto_exposure::luminance, diffuse_gi::entry, reflections::cell, subsurface::profile,
+    },
     shader_library::{
         layout::{self, light, motion, specialization},
         reconstruction::position,
@@ -89,6 +91,9 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("effects/auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
     constants!("effects/auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});
+    constants!("effects/diffuse_gi/entry.wgsl": entry::{
+        SURFACE, WEIGHT_SHIFT, LARGEST_WEIGHT, FURTHEST, NEAREST
+    });
     constants!("effects/reflections/cell.wgsl": cell::{FIRST});
     constants!("effects/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
     constants!("effects/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
