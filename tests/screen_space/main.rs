@@ -7,6 +7,7 @@ mod energy;
 mod film;
 mod hard_cases;
 mod hostile;
+mod mirror_images;
 mod mirrors;
 mod motion;
 mod reflections;

@@ -1,7 +1,8 @@
 // View uniform of the reflection passes.
 #define_import_path bevy_lean_deferred::effects::reflections::view
 
-/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first one.
+/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first
+/// one, or at one of three others if that does not reflect.
 struct ReflectionUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
