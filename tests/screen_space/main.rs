@@ -5,6 +5,7 @@ mod bounds;
 mod diffuse_gi;
 mod energy;
 mod film;
+mod fog;
 mod hard_cases;
 mod hostile;
 mod mirror_images;

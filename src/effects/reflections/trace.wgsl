@@ -7,10 +7,11 @@
 #import bevy_lean_deferred::effects::reflections::bindings::{
     depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
 }
+#import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
 #import bevy_lean_deferred::effects::reflections::smooth_march
-#import bevy_lean_deferred::effects::reflections::surface::{Mirror, last_light, mirror_of, normal_word_at, rotated, smoothness}
+#import bevy_lean_deferred::effects::reflections::surface::{Mirror, mirror_of, normal_word_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -126,7 +127,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let wide = metres * scale / max(-hit_position.z, 1e-6);
 #endif
     let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
-    let seen = last_light(hit.place, hit_position, level);
+    let seen = mirrored_light(hit.place, hit_position, level, position, metres);
     let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
         return result;

@@ -16,7 +16,7 @@ use bevy_lean_deferred::{
 use kit::reference::{
     effects::{auto_exposure::luminance, reflections::cell, subsurface::profile},
     shader_library::{
-        ggx,
+        distance_fog, ggx,
         layout::{self, light, motion, specialization},
         reconstruction::position,
     },
@@ -72,6 +72,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
             );)*
         };
     }
+    constants!("shader_library/distance_fog.wgsl": distance_fog::{CLEAR, LINEAR, EXPONENTIAL, LEAST_TRANSMITTANCE});
     constants!("shader_library/ggx.wgsl": ggx::{LEAST_SPREAD});
     constants!("shader_library/layout.wgsl": layout::{
         ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY
