@@ -3,6 +3,9 @@
 
 const PI: f32 = 3.14159265358979;
 
+/// Least squared `alpha` of densities: above the rounding errors of squared cosines.
+const LEAST_SPREAD: f32 = 1e-6;
+
 /// Sampled direction of the lobe.
 struct LobeSample {
     /// Unit vector to the light; below the surface if `weight` is 0.
@@ -37,8 +40,9 @@ fn sample_lobe(V: vec3<f32>, alpha: f32, u: vec2<f32>) -> LobeSample {
     let root_v = sqrt(a2 + (1.0 - a2) * V.z * V.z);
     let root_l = sqrt(a2 + (1.0 - a2) * L.z * L.z);
     let weight = L.z * (V.z + root_v) / (L.z * root_v + V.z * root_l);
-    let spread = 1.0 - (1.0 - a2) * microfacet.z * microfacet.z;
-    // Avoids 0 / 0 for a perfect mirror, whose lobe is a single direction.
-    let distribution = a2 / max(PI * spread * spread, 1e-20);
+    // A perfect mirror has a single direction, of infinite density. Its lobe is wider than rounding errors of `spread` here.
+    let wide = max(a2, LEAST_SPREAD);
+    let spread = 1.0 - (1.0 - wide) * microfacet.z * microfacet.z;
+    let distribution = wide / (PI * spread * spread);
     return LobeSample(L, weight, max(distribution / (2.0 * (V.z + root_v)), 1e-6));
 }

@@ -5,12 +5,14 @@
 //! - `reconstruction/`: positions, normals and motion from depth.
 //! - `horizon.wgsl`: cosine-weighted occlusion by a pair of horizons.
 //! - `occlusion_filter.wgsl`: the filter of ambient occlusion.
+//! - `distance_fog.{rs,wgsl}`: Bevy's distance fog, and how to remove it.
 //! - `ggx.wgsl`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
 //! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and the order of the pixels in them.
 //! - `workgroup.wgsl`: a vote over the invocations of a workgroup.
 //! - `rounding.wgsl`: rounding without conversions.
 
+pub mod distance_fog;
 pub mod layout;
 pub mod reconstruction;
 pub mod tiles;
@@ -23,6 +25,7 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "workgroup.wgsl");
     load_shader_library!(app, "pattern.wgsl");
     load_shader_library!(app, "rounding.wgsl");
+    load_shader_library!(app, "distance_fog.wgsl");
     load_shader_library!(app, "ggx.wgsl");
     load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "occlusion_filter.wgsl");

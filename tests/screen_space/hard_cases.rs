@@ -108,9 +108,11 @@ fn check_what_appears(motion: bool) {
         ("diffuse", surface(0.5, 0.0), &shines, 0.002),
     ];
     let mut all_right = true;
+    // A tenth of these pixels are the first rows in front of the box. They mirror its foot, which is as far away as the floor that was
+    // seen there, within the tolerance of the history: for a frame they have the floor's light.
     let at_rest = on_swiftshader(
-        0.1,
-        0.05,
+        0.15,
+        0.12,
         "light of what was there, in a mirror for a frame",
     );
     for (name, material, effect, least) in cases {

@@ -1,18 +1,22 @@
-//! Difficult mirrors: in other projections, of thin things, up to edges.
+//! Difficult mirrors: in other projections, thin ones, of thin things, up to edges.
 
 use bevy::{
     camera::{ScalingMode, SubCameraView},
     math::bounding::{Aabb3d, RayCast3d},
     prelude::*,
 };
+use bevy_lean_deferred::prelude::*;
 use kit::{
     analytic_light::{camera, show, surface},
     analytic_mirrors::{metal, mirror_app, show_mirror},
+    headless::Headless,
     lean::change_cameras,
     own_process::in_own_process,
 };
 
-use super::scenes::{EYE, SIZE, SMALL, light_at, looking, mirrored, reflections, spawn_floor};
+use super::scenes::{
+    EYE, SIZE, SMALL, light_at, looking, mirrored, reflections, show_next, spawn_floor,
+};
 
 #[test]
 fn mirrors_are_exact_in_any_projection() {
@@ -139,5 +143,50 @@ fn mirrored_edges_have_no_gaps() {
         }
         println!("{dark} of {count} pixels are dark");
         assert!(count > 1000 && dark < 4);
+    });
+}
+
+/// Texels have one ray. A mirror that is thinner than they are has light of all of them, wherever their first pixels are.
+#[test]
+fn thin_mirrors_reflect() {
+    in_own_process(|| {
+        // 1.5 pixels high, in the middle.
+        const RAIL: Vec3 = Vec3::new(0.9, 0.0, 0.06);
+        let rail = Transform::from_xyz(0.0, 0.5, 0.0).with_rotation(Quat::from_rotation_y(0.15));
+        let mut headless = Headless::new(SMALL);
+        for (quality, resolution) in [
+            (LeanQuality::Medium, LeanResolution::Full),
+            (LeanQuality::Medium, LeanResolution::Half),
+            (LeanQuality::Low, LeanResolution::Half),
+        ] {
+            let seen = show_next(&mut headless, 6, |s| {
+                let wall = Rectangle::new(8.0, 4.0);
+                s.mesh(wall, surface(0.0, 1.0), Transform::from_xyz(0.0, 2.0, -2.0));
+                spawn_floor(s, surface(0.0, 0.0), 0.0);
+                let plane = Plane3d::default().mesh().size(2.0 * RAIL.x, 2.0 * RAIL.z);
+                s.mesh(plane, metal(0.0), rail);
+                let effect = LeanScreenSpaceReflections {
+                    quality,
+                    resolution,
+                    ..reflections()
+                };
+                camera(s, looking(EYE, 0.5), 0.0, effect);
+            });
+            seen.save(&format!("rail_{quality:?}_{resolution:?}"), 1.0);
+            let back = rail.compute_affine().inverse();
+            let on_rail = seen
+                .on_plane(rail.translation, Vec3::Y)
+                .filter(|(_, place, _)| {
+                    let at = back.transform_point3(*place).abs();
+                    at.x < RAIL.x && at.z < RAIL.z
+                });
+            let light: Vec<f32> = on_rail.map(|(_, _, light)| light).collect();
+            let share = light.iter().sum::<f32>() / light.len() as f32;
+            println!(
+                "{quality:?}, {resolution:?}: {share:.3} of the light of {} pixels",
+                light.len()
+            );
+            assert!(light.len() > 100 && share > 0.6 && share < 1.02);
+        }
     });
 }

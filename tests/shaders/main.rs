@@ -1,5 +1,6 @@
 //! The shipped WGSL: its storage and results against its Rust twins, and that all of it composes.
 
+mod distance_fog;
 mod geometric_normal;
 mod history;
 mod layout;

@@ -19,6 +19,7 @@ pub mod effects {
 }
 
 pub mod shader_library {
+    pub mod distance_fog;
     pub mod ggx;
     pub mod horizon;
     pub mod layout;

@@ -5,6 +5,7 @@ use bevy::{
     camera::MainPassResolutionOverride,
     core_pipeline::prepass::{MotionVectorPrepass, ViewPrepassTextures},
     diagnostic::FrameCount,
+    pbr::DistanceFog,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -33,6 +34,7 @@ use crate::{
     },
     gbuffer::GBufferTextures,
     gpu::bind_group_cache::CachedBindGroup,
+    shader_library::distance_fog::FogUniform,
     view::{
         ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LeanDebugView,
         LightingIo, OutOfMemory,
@@ -64,7 +66,7 @@ pub(super) fn prepare_gi(
         Entity,
         (&ActiveGi, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
-        Option<&MainPassResolutionOverride>,
+        (Option<&MainPassResolutionOverride>, Option<&DistanceFog>),
         Option<&CameraCuts>,
         (
             Option<&FrameAveraging>,
@@ -78,7 +80,8 @@ pub(super) fn prepare_gi(
         return;
     };
     let largest = device.limits().max_texture_dimension_2d;
-    for (entity, (active, lean), (camera, view), resolution, cuts, of_view, of_gi) in &mut views {
+    for (entity, (active, lean), (camera, view), shown, cuts, of_view, of_gi) in &mut views {
+        let (resolution, fog) = shown;
         let ((averaging, has_motion, debug_view), (gi, mut found)) = (of_view, of_gi);
         if !lean.io.contains(LightingIo::INDIRECT_DIFFUSE) {
             continue;
@@ -125,6 +128,7 @@ pub(super) fn prepare_gi(
         let last = &gi.levels[1 - gi.current];
         uniform.last_divisor = last.divisor;
         uniform.last_texture_size = last.size;
+        uniform.fog = FogUniform::new(fog);
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_motion = has_motion.into();
         gi.has_motion = has_motion;

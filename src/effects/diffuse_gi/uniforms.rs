@@ -11,8 +11,12 @@ use crate::{
         reprojection::{exposure_ratio, last_pixel_from_view, may_carry_surfaces, up_to},
         resolution,
     },
-    shader_library::reconstruction::position::{
-        ProjectionKind, edge_of, pixels_per_metre, pixels_per_ray, projection_of, view_from_pixel,
+    shader_library::{
+        distance_fog::FogUniform,
+        reconstruction::position::{
+            ProjectionKind, edge_of, pixels_per_metre, pixels_per_ray, projection_of,
+            view_from_pixel,
+        },
     },
 };
 
@@ -33,6 +37,7 @@ pub struct GiUniform {
     view_from_pixel: Mat4,
     view_from_world: Mat4,
     last_pixel_from_view: Mat4,
+    pub(super) fog: FogUniform,
     pixels_per_metre: Vec2,
     pixels_per_ray: Vec2,
     edge: Vec2,
@@ -68,6 +73,7 @@ impl GiUniform {
             view_from_world: now.world_from_view.inverse(),
             last_pixel_from_view: last
                 .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
+            fog: FogUniform::default(),
             pixels_per_metre: pixels_per_metre(clip_from_view, size),
             pixels_per_ray: pixels_per_ray(view_from_pixel),
             edge: edge_of(clip_from_view, size),

@@ -1,6 +1,8 @@
 // View uniform of the diffuse GI passes.
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::view
 
+#import bevy_lean_deferred::distance_fog::FogUniform
+
 /// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and has the depth of its first one.
 struct GiUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
@@ -8,6 +10,8 @@ struct GiUniform {
     view_from_world: mat4x4<f32>,
     /// From view space to (pixel x, pixel y, depth, 1) of the last frame, homogeneous.
     last_pixel_from_view: mat4x4<f32>,
+    /// Distance fog in the picture.
+    fog: FogUniform,
     /// Value at a distance of one metre; in orthographic views, at any distance. Negative along axes that the projection mirrors.
     pixels_per_metre: vec2<f32>,
     /// Pixels per unit of `reconstruction::position::ray_at`.

@@ -31,6 +31,7 @@
 // - `smooth_light.wgsl`, `rough_light.wgsl`: reflections of smooth and of rough surfaces.
 // - `texels.wgsl`: texels in shared memory, for the last two passes.
 // - `surface.wgsl`: the reflecting surface, and its light in the last frame.
+// - `mirrored_light.wgsl`: that light with the fog of its way over the mirror.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 
 mod active;
@@ -101,6 +102,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "smooth_march.wgsl");
         load_shader_library!(app, "rough_march.wgsl");
         load_shader_library!(app, "surface.wgsl");
+        load_shader_library!(app, "mirrored_light.wgsl");
         load_shader_library!(app, "texels.wgsl");
         load_shader_library!(app, "receiver.wgsl");
         load_shader_library!(app, "smooth_light.wgsl");

@@ -4,6 +4,7 @@ use bevy::{
     camera::MainPassResolutionOverride,
     core_pipeline::prepass::{MotionVectorPrepass, ViewPrepassTextures},
     diagnostic::FrameCount,
+    pbr::DistanceFog,
     prelude::*,
     render::{
         camera::ExtractedCamera,
@@ -38,7 +39,7 @@ use crate::{
         bind_group_cache::CachedBindGroup, growing_size::GrowingSize,
         storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
-    shader_library::tiles,
+    shader_library::{distance_fog::FogUniform, tiles},
     view::{
         ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LeanDebugView,
         LightingIo, OutOfMemory,
@@ -166,7 +167,7 @@ pub(super) fn prepare_reflections(
         Entity,
         (&ActiveReflections, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
-        Option<&MainPassResolutionOverride>,
+        (Option<&MainPassResolutionOverride>, Option<&DistanceFog>),
         (
             Option<&FrameAveraging>,
             Has<MotionVectorPrepass>,
@@ -184,7 +185,8 @@ pub(super) fn prepare_reflections(
         return;
     };
     let largest = device.limits().max_texture_dimension_2d;
-    for (entity, (active, lean), (camera, view), resolution, of_view, history, held) in &mut views {
+    for (entity, (active, lean), (camera, view), shown, of_view, history, held) in &mut views {
+        let (resolution, fog) = shown;
         let ((averaging, has_motion, debug_view), (reflections, mut found, has_hits)) =
             (of_view, held);
         // The first frame has no history.
@@ -198,6 +200,7 @@ pub(super) fn prepare_reflections(
         let now = LastFrame::of(view, resolution, camera.exposure, &shift);
         let mut uniform =
             ReflectionUniform::new(&active.settings, active.key.divisor, &now, history.last());
+        uniform.fog = FogUniform::new(fog);
         uniform.history_size = history.size().as_vec2();
         uniform.turn = FrameAveraging::turn(averaging, &frame);
         uniform.has_specialization = lean.targets.contains(GBufferTargets::SPECIALIZATION).into();

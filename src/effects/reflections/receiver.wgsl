@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::effects::reflections::bindings::{unpack_distance, view}
-#import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, hits, likeness, lights}
+#import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, depths, hits, likeness, lights, normals}
 
 struct Receiver {
     /// Position in pixels.
@@ -71,6 +71,9 @@ fn width_at(first: i32, position: vec3<f32>) -> f32 {
     return lobe_width(metres, distance);
 }
 
+/// Sum of weights up to which no texel around a pixel counts as one of its surface.
+const NONE_ALIKE: f32 = 1e-3;
+
 /// Light of the rays around, for silhouettes: light times confidence, and confidence.
 fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var sum = vec4(0.0);
@@ -81,5 +84,26 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
         sum += weight * unpack_halves(lights[texel]);
         weights += weight;
     }
+    if weights < NONE_ALIKE {
+        return light_of_least_different(receiver, first);
+    }
     return sum / weights;
+}
+
+/// The same where no texel around is of the pixel's surface, as on thin or strongly curved mirrors: light of the ray whose surface
+/// differs least.
+fn light_of_least_different(receiver: Receiver, first: i32) -> vec4<f32> {
+    var light = vec4(0.0);
+    var most = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let texel = texel_beside(first, i);
+        let off = (depths[texel] - receiver.depth) * receiver.inverse_step;
+        let facing = saturate(dot(receiver.normal, unpack_halves(normals[texel]).xyz));
+        let alike = select(0.0, facing / (1.0 + off * off), hits[texel] != 0u);
+        if alike > most {
+            most = alike;
+            light = unpack_halves(lights[texel]);
+        }
+    }
+    return light;
 }

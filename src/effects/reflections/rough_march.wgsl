@@ -1,7 +1,7 @@
 // Marches a ray in segments: for rough surfaces, and for smooth ones whose steps are used up.
 #define_import_path bevy_lean_deferred::effects::reflections::rough_march
 
-#import bevy_lean_deferred::effects::reflections::bindings::{hi_z_texture, depth_in_view, view}
+#import bevy_lean_deferred::effects::reflections::bindings::{depth_in_view, edge_step, hi_z_texture, view}
 #import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
@@ -15,11 +15,13 @@ const HALVINGS: u32 = 8u;
 
 /// Finds the hit between `front`, where the ray is in front of the visible surfaces, and `back`, where it is behind
 /// `depth_at_back`. A wall at an angle may be far in front of the ray at `back`, so the interval is bisected towards the point where
-/// the ray goes behind. If that is behind by more than the thickness even there, the ray passes an edge: a miss. For an `exact` hit,
-/// bisection continues to the pixel where the ray enters.
+/// the ray goes behind. If that is behind by more than the thickness even there, the ray passes an edge: a miss. It is a hit if the
+/// ray crosses the depth of the surface within a pixel, which may be longer than the surface is thick. For an `exact` hit, bisection
+/// continues to the pixel where the ray enters.
 fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_back: f32, exact: bool) -> RayHit {
     var before = front;
     var after = back;
+    var depth_after = depth_at_back;
     var u = back;
     var pixel = pixel_on(ray, u);
     var depth = depth_at_back;
@@ -30,6 +32,7 @@ fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
             before = u;
         } else {
             after = u;
+            depth_after = depth;
             let inside = depth_inside(pixel, depth, z, direction);
             if inside < 1.0 {
                 hit = RayHit(true, u, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
@@ -44,6 +47,14 @@ fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
         u = 0.5 * (before + after);
         pixel = pixel_on(ray, u);
         depth = depth_in_view(pixel);
+    }
+    // The tolerance covers steps between pixels of one surface.
+    let z_before = ray.start.z + ray.step.z * before;
+    if !hit.is_hit && after - before <= 1.0 && z_before > depth_after - edge_step(depth_after, 1.0) {
+        pixel = pixel_on(ray, after);
+        if depth_inside(pixel, depth_after, depth_after, direction) < 1.0 {
+            hit = RayHit(true, after, vec3(vec2<f32>(pixel), depth_after), 1.0);
+        }
     }
     return hit;
 }

@@ -11,7 +11,8 @@ use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 ///
 /// Surfaces that are off screen, hidden or turned away are not reflected; the environment shows there, as without the component.
 /// Meshes in Bevy's forward passes are reflected only if the camera has `DepthPrepass`, and reflect nothing themselves. Light that
-/// they and transparent meshes add to the image in front of a reflected surface is reflected with it. Without `MotionVectorPrepass`,
+/// they and transparent meshes add to the image in front of a reflected surface is reflected with it. Distance fog applies to the whole
+/// way of reflected light once. Without `MotionVectorPrepass`,
 /// the light of moving surfaces lags one frame behind. Anisotropic surfaces reflect as isotropic ones.
 ///
 /// Rays skip empty hi-z cells (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections"), in directions sampled from the visible
@@ -69,7 +70,8 @@ pub struct LeanScreenSpaceReflections {
     /// Perceptual roughness above which surfaces do not reflect the image, 0 to 1.25. Reflections fade from three quarters of it on;
     /// above 1, the roughest surfaces reflect too. Default 0.8.
     pub max_roughness: f32,
-    /// Assumed thickness of surfaces, in metres; rays that pass further behind a surface miss it. More than 0. Default 0.25.
+    /// Assumed thickness of surfaces, in metres; rays that pass further behind a surface miss it, unless they cross its depth within
+    /// a pixel. More than 0. Default 0.25.
     pub thickness: f32,
     /// Share of the environment that reflections replace, 0 to 1. Default 1.
     pub intensity: f32,

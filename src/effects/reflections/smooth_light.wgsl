@@ -4,10 +4,11 @@
 #import bevy_lean_deferred::effects::reflections::bindings::{
     depth_texture, edge_step, homogeneous_pixel, to_viewer, unpack_distance, view, view_position,
 }
+#import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::receiver::{
     Receiver, light_around, lobe_width, texel_beside,
 }
-#import bevy_lean_deferred::effects::reflections::surface::{last_light, rotated}
+#import bevy_lean_deferred::effects::reflections::surface::rotated
 #import bevy_lean_deferred::effects::reflections::texels::{hits, lights}
 
 /// Gap where no surface is to be tested.
@@ -179,7 +180,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     let position = origin + direction * mean.x;
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
-    let light = last_light(at, position, level);
+    let light = mirrored_light(at, position, level, origin, mean.x);
     let confidence = mean.y * light.w;
     return SmoothLight(vec4(light.rgb * confidence, confidence), is_certain);
 }

@@ -1,7 +1,7 @@
 // Marches the ray of a smooth surface through cells and pixels.
 #define_import_path bevy_lean_deferred::effects::reflections::smooth_march
 
-#import bevy_lean_deferred::effects::reflections::bindings::{behind, hi_z_texture, depth_texture, view}
+#import bevy_lean_deferred::effects::reflections::bindings::{behind, edge_step, hi_z_texture, depth_texture, view}
 #import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
@@ -16,7 +16,8 @@ const NEAREST_TO_SKY: f32 = 1e-9;
 const INTO: f32 = 1.0 / 256.0;
 
 /// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
-/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, the state is in `way`.
+/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, `state` has where the
+/// march ended. It begins where the ray leaves its own pixel.
 fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchState>) -> RayHit {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
     let inverse_step = 1.0 / step;
@@ -31,8 +32,10 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
     var side = FIRST_SIDE;
     var inverse_side = 1.0 / FIRST_SIDE;
     var u = (*state).u;
-    var z = ray.start.z + ray.step.z * u;
-    var was_in_front = (*state).is_in_front;
+    // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start. It may
+    // also show what hides the mirror: then the ray starts behind it.
+    var z = ray.start.z;
+    var was_in_front = false;
     var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
         let place = floor((start + ray.step.xy * u) * inverse_side);
@@ -59,12 +62,15 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
         let reached = select(max(behind(nearest), NEAREST_TO_SKY), nearest, was_in_front);
         var passes = is_in_front || reached < depths.y;
         if !passes && is_pixel {
-            let middle = 0.5 * (u + next);
-            let middle_z = 0.5 * (z + next_z);
-            is_in_front = middle_z > depth;
-            if was_in_front && !is_in_front {
+            is_in_front = next_z > depth;
+            if (was_in_front || z > depth) && !is_in_front {
+                let middle = 0.5 * (u + next);
                 let pixel = pixel_on(ray, middle);
-                let inside = depth_inside(pixel, depth, middle_z, direction);
+                // A ray that enters in front of the surface and leaves behind it crosses it, however far behind. The tolerance
+                // covers steps between pixels of one surface. Other rays come from beside the surface: its thickness decides.
+                let crosses = z > depth - edge_step(depth, 1.0);
+                let middle_z = ray.start.z + ray.step.z * middle;
+                let inside = depth_inside(pixel, depth, select(middle_z, depth, crosses), direction);
                 if inside < 1.0 {
                     hit = RayHit(true, middle, vec3(vec2<f32>(pixel), depth), 1.0 - inside);
                     break;

@@ -7,10 +7,11 @@
 #import bevy_lean_deferred::effects::reflections::bindings::{
     depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
 }
+#import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
 #import bevy_lean_deferred::effects::reflections::smooth_march
-#import bevy_lean_deferred::effects::reflections::surface::{last_light, mirror_of, normal_word_at, rotated, smoothness}
+#import bevy_lean_deferred::effects::reflections::surface::{Mirror, mirror_of, normal_word_at, rotated, smoothness}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -22,6 +23,9 @@ const ROUGH: f32 = 51.5 / 255.0;
 
 /// Least growth of a ray's segments with its length, so that most rays leave the picture before their segments are used up.
 const LEAST_GROWTH: f32 = 0.03;
+
+/// Length of a ray in its own pixel, in whose middle it starts.
+const OWN_PIXEL: f32 = 0.5;
 
 /// Result of a ray.
 struct TraceResult {
@@ -45,16 +49,35 @@ fn rim_fade(at: vec2<f32>) -> f32 {
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
+/// Pixel `i` of the four that a texel's ray may start at: in 2×2 all of them, in 4×4 one of each row and column.
+fn place_in_texel(i: i32) -> vec2<i32> {
+    let bits = vec2(i & 1, i >> 1u);
+    return select(bits, vec2(i, 2 * bits.x + bits.y), view.divisor == 4);
+}
+
+/// True for a surface with a mirror of some smoothness.
+fn reflects(depth: f32, mirror: Mirror) -> bool {
+    return depth > 0.0 && smoothness(mirror.roughness) > 0.0;
+}
+
 fn trace_at(texel: vec2<i32>) -> TraceResult {
     var result: TraceResult;
-    let pixel = texel * view.divisor;
-    let depth = depth_in_view(pixel);
-    if !(depth > 0.0) || view.exposure_ratio == 0.0 {
+    if view.exposure_ratio == 0.0 {
         return result;
     }
-    let word = normal_word_at(pixel);
-    let mirror = mirror_of(pixel, word);
-    if smoothness(mirror.roughness) == 0.0 {
+    // The ray starts at the first of four pixels that reflects: a thin mirror may cover others only.
+    let first = texel * view.divisor;
+    var pixel = first;
+    var depth = depth_in_view(pixel);
+    var word = normal_word_at(pixel);
+    var mirror = mirror_of(pixel, word);
+    for (var i = 1; i < 4 && view.divisor > 1 && !reflects(depth, mirror); i++) {
+        pixel = min(first + place_in_texel(i), vec2<i32>(view.viewport_size) - 1);
+        depth = depth_in_view(pixel);
+        word = normal_word_at(pixel);
+        mirror = mirror_of(pixel, word);
+    }
+    if !reflects(depth, mirror) {
         return result;
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
@@ -76,8 +99,8 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let direction = basis * sample.direction.xy + normal * sample.direction.z;
     let ray = ray_on_screen(start, position, direction);
     var hit: RayHit;
-    // Skips the pixel itself.
-    var state = MarchState(1.0, true, 0.0);
+    // Segments begin in the middle of the next pixel.
+    var state = MarchState(select(OWN_PIXEL, 1.0, is_rough), true, 0.0);
     if !is_rough {
         hit = smooth_march::march(ray, direction, view.smooth_steps, &state);
     }
@@ -104,7 +127,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let wide = metres * scale / max(-hit_position.z, 1e-6);
 #endif
     let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
-    let seen = last_light(hit.place, hit_position, level);
+    let seen = mirrored_light(hit.place, hit_position, level, position, metres);
     let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
         return result;

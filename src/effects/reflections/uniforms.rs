@@ -13,8 +13,11 @@ use crate::{
         },
         resolution,
     },
-    shader_library::reconstruction::position::{
-        ProjectionKind, STEEPEST, edge_of, pixels_per_metre, projection_of, view_from_pixel,
+    shader_library::{
+        distance_fog::FogUniform,
+        reconstruction::position::{
+            ProjectionKind, STEEPEST, edge_of, pixels_per_metre, projection_of, view_from_pixel,
+        },
     },
 };
 
@@ -30,6 +33,7 @@ pub struct ReflectionUniform {
     view_from_world: Mat4,
     last_pixel_from_view: Mat4,
     last_distance: Vec4,
+    pub(super) fog: FogUniform,
     pixels_per_metre: Vec2,
     edge: Vec2,
     behind: Vec2,
@@ -77,6 +81,7 @@ impl ReflectionUniform {
             last_pixel_from_view: last
                 .map_or(Mat4::IDENTITY, |last| last_pixel_from_view(now, last)),
             last_distance: last.map_or(Vec4::ZERO, |last| last_distance(now, last)),
+            fog: FogUniform::default(),
             pixels_per_metre,
             edge: edge_of(clip_from_view, size),
             behind: behind_of(clip_from_view, thickness),

@@ -1,7 +1,10 @@
 // View uniform of the reflection passes.
 #define_import_path bevy_lean_deferred::effects::reflections::view
 
-/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first one.
+#import bevy_lean_deferred::distance_fog::FogUniform
+
+/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and its ray starts at the first
+/// one, or at one of three others if that does not reflect.
 struct ReflectionUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,
@@ -12,6 +15,8 @@ struct ReflectionUniform {
     last_pixel_from_view: mat4x4<f32>,
     /// Its dot product with a homogeneous view-space position is the distance along the last frame's view direction.
     last_distance: vec4<f32>,
+    /// Distance fog in this frame's picture, and in the last one's.
+    fog: FogUniform,
     /// Value at a distance of one metre; in orthographic views, at any distance. Negative along axes that the projection mirrors.
     pixels_per_metre: vec2<f32>,
     /// `edge.x * depth + edge.y` is the depth step that separates surfaces one pixel apart.

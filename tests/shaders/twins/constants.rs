@@ -18,6 +18,7 @@ use kit::reference::{
         auto_exposure::luminance, diffuse_gi::entry, reflections::cell, subsurface::profile,
     },
     shader_library::{
+        distance_fog, ggx,
         layout::{self, light, motion, specialization},
         reconstruction::position,
     },
@@ -73,6 +74,8 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
             );)*
         };
     }
+    constants!("shader_library/distance_fog.wgsl": distance_fog::{CLEAR, LINEAR, EXPONENTIAL, LEAST_TRANSMITTANCE});
+    constants!("shader_library/ggx.wgsl": ggx::{LEAST_SPREAD});
     constants!("shader_library/layout.wgsl": layout::{
         ALBEDO_MAX, METALLIC_MAX, OCCLUSION_MAX, OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY,
         LIGHTMAP_BITS, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED

@@ -17,6 +17,7 @@ use bevy_lean_deferred::{
     },
     lighting::{LightLayersTable, LightingUniform},
     material_extension::{ExtensionUniform, ShadingExtension},
+    shader_library::distance_fog::FogUniform,
 };
 use naga::{AddressSpace, Handle, Module, Type, TypeInner};
 
@@ -111,6 +112,11 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
             "effects/subsurface/view.wgsl",
             "SubsurfaceUniform",
             layout_of::<SubsurfaceUniform, _>(),
+        ),
+        (
+            "shader_library/distance_fog.wgsl",
+            "FogUniform",
+            layout_of::<FogUniform, _>(),
         ),
         (
             "material_extension/extension.wgsl",

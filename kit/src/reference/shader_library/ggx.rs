@@ -4,6 +4,8 @@ use core::f32::consts::PI;
 
 use bevy::math::{Vec2, Vec3};
 
+pub const LEAST_SPREAD: f32 = 1e-6;
+
 /// Sampled direction of the lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeSample {
@@ -40,8 +42,9 @@ pub fn sample_lobe(v: Vec3, alpha: f32, u: Vec2) -> LobeSample {
     let root = |z: f32| (a2 + (1.0 - a2) * z * z).sqrt();
     let (root_v, root_l) = (root(v.z), root(direction.z));
     let weight = direction.z * (v.z + root_v) / (direction.z * root_v + v.z * root_l);
-    let spread = 1.0 - (1.0 - a2) * microfacet.z * microfacet.z;
-    let distribution = a2 / (PI * spread * spread).max(1e-20);
+    let wide = a2.max(LEAST_SPREAD);
+    let spread = 1.0 - (1.0 - wide) * microfacet.z * microfacet.z;
+    let distribution = wide / (PI * spread * spread);
     LobeSample {
         direction,
         weight,
