@@ -1,13 +1,14 @@
 //! The scenes of the bench.
 
 use bevy::{
-    camera::primitives::Aabb, gltf::GltfAssetLabel, light::cluster::GlobalClusterSettings,
-    prelude::*, world_serialization::WorldAssetRoot,
+    gltf::GltfAssetLabel, light::cluster::GlobalClusterSettings, prelude::*,
+    world_serialization::WorldAssetRoot,
 };
 
 use crate::special::{self, Special};
 use kit::{
     headless::Headless,
+    levels::framing_view,
     scenes::{
         SceneBuilder,
         boxes::{self, Boxes, LightField},
@@ -185,17 +186,5 @@ fn spawn_models(headless: &mut Headless, path: &str, places: impl IntoIterator<I
 
 fn spawn_gltf(headless: &mut Headless, path: &str) -> Transform {
     spawn_models(headless, path, [Transform::default()]);
-    let mut bounds: Option<(Vec3, Vec3)> = None;
-    let world = headless.world();
-    let mut query = world.query::<(&Aabb, &GlobalTransform)>();
-    for (aabb, transform) in query.iter(world) {
-        let center = transform.transform_point(aabb.center.into());
-        let radius = transform.radius_vec3a(aabb.half_extents);
-        let (low, high) = bounds.unwrap_or((center, center));
-        bounds = Some((low.min(center - radius), high.max(center + radius)));
-    }
-    let (low, high) = bounds.expect("the glTF scene holds at least one mesh");
-    let (center, size) = ((low + high) / 2.0, (high - low).length());
-    Transform::from_translation(center + Vec3::new(0.35, 0.25, 1.0) * size * 0.55)
-        .looking_at(center, Vec3::Y)
+    framing_view(headless.world()).expect("the glTF scene holds at least one mesh")
 }

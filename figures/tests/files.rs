@@ -315,6 +315,42 @@ fn stutter() {
 }
 
 #[test]
+fn levels() {
+    let measurement = |contender: &str, camera: f64, rest: &str| {
+        format!(
+            r#"{{"adapter": "GPU", "size": [64, 32], "frames": 4, "level": "room", "view": 3, "contender": "{contender}",
+            "meshes": 9, "lights": 313, "lightmapped": 7, "geometry": {{"median": 1.5, "low": 1, "high": 2}},
+            "lighting": null, "effects": null, "blended": {{"median": 0.5, "low": 0, "high": 1}},
+            "camera": {{"median": {camera}, "low": 1, "high": 9}}, "spans": [["bench/camera", {camera}]],
+            "bytes_written_by_geometry": 12, "bytes_in_all": 32, {rest}}}"#
+        )
+    };
+    let forward = measurement(
+        "Bevy forward",
+        8.0,
+        r#""psnr": null, "off_by_8": null, "memory": [], "forward": []"#,
+    );
+    let lean = measurement(
+        "lean",
+        2.0,
+        r#""psnr": 52.04, "off_by_8": 0.5, "memory": [["gbuffer", 3145728], ["history", 0], ["lighting", 1048576]],
+        "forward": [{"reason": "it is blended", "meshes": 2, "materials": ["glass", "water"]}]"#,
+    );
+    let bench = read("levels.json", &format!("[{forward},{lean}]"));
+    has_rows(
+        &bench,
+        &[
+            "64×32, medians of 4 frames in ms.",
+            "| room | 3 | Bevy forward | 1.500 | – | – | 0.500 | 8.000 | 1.00 | 12 / 32 | – | – |",
+            "| room | 3 | lean | 1.500 | – | – | 0.500 | 2.000 | 0.25 | 12 / 32 | 52.0 | 50.000% |",
+            "| level | view | renderer | gbuffer | lighting | all |\n|---|---|---|---|---|---|\n| room | 3 | lean | 3.0 | 1.0 | 4.0 |",
+            "| room | 3 | lean | 9 | 2 | it is blended | glass, water |",
+        ],
+    );
+    assert_eq!(bench.figures().plots().len(), 1);
+}
+
+#[test]
 fn a_folder_makes_a_page() {
     let folder = Folder::new("page");
     folder.write("frame_times.json", FRAME_TIMES);

@@ -56,8 +56,28 @@ impl Samples {
         (!frames.is_empty()).then(|| Time::of(frames))
     }
 
+    /// As [`sum`](Self::sum), of the spans whose names begin with `prefix`. Spans within others of them count once.
+    pub fn sum_within(&self, prefix: &str) -> Option<Time> {
+        self.sum(|name| {
+            let is_outer = |other: &String| {
+                other.starts_with(prefix)
+                    && (name.strip_prefix(other.as_str())).is_some_and(|rest| rest.starts_with('/'))
+            };
+            name.starts_with(prefix) && !self.times.keys().any(is_outer)
+        })
+    }
+
     pub fn time(&self, name: &str) -> Option<Time> {
         Some(Time::of(self.times.get(name)?.clone()))
+    }
+
+    /// Names and medians of all spans, the longest first.
+    pub fn medians(&self) -> Vec<(String, f64)> {
+        let medians =
+            (self.times.iter()).map(|(name, times)| (name.clone(), Time::of(times.clone()).median));
+        let mut medians: Vec<_> = medians.collect();
+        medians.sort_by(|(a, x), (b, y)| y.total_cmp(x).then_with(|| a.cmp(b)));
+        medians
     }
 }
 
@@ -73,4 +93,31 @@ pub fn begin(mut ctx: RenderContext, name: &'static str) {
 pub fn end(mut ctx: RenderContext) {
     let recorder = ctx.diagnostic_recorder();
     recorder.as_deref().end_time_span(ctx.command_encoder());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inner_spans_count_once() {
+        let times = [
+            ("effects/gi", 2.0),
+            ("effects/gi/filter", 1.5),
+            ("effects/gi_other", 0.5),
+            ("lighting", 8.0),
+        ];
+        let samples = Samples {
+            times: times
+                .map(|(name, time)| (name.into(), vec![time]))
+                .into_iter()
+                .collect(),
+            ..default()
+        };
+        let sum = samples.sum_within("effects/").expect("there are some");
+        assert_eq!(sum.median, 2.5);
+        assert!(samples.sum_within("nothing/").is_none());
+        let (longest, _) = &samples.medians()[0];
+        assert_eq!(longest, "lighting");
+    }
 }

@@ -24,6 +24,7 @@ pub mod gpu_usage;
 pub mod hdr;
 pub mod headless;
 pub mod lean;
+pub mod levels;
 pub mod log_watch;
 pub mod metrics;
 pub mod motion;

@@ -11,6 +11,7 @@ mod first_frame;
 mod history;
 mod labels;
 mod late_switch;
+mod levels;
 mod lost_device;
 mod memory;
 mod minimised;

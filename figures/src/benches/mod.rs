@@ -3,6 +3,7 @@
 pub mod ambient_occlusion;
 pub mod auto_exposure;
 pub mod frame_times;
+pub mod levels;
 pub mod light_scaling;
 pub mod many_meshes;
 pub mod motion;
@@ -16,6 +17,7 @@ use crate::{json::read_json, plots::Plot, store::Store, table::Table, time::Devi
 pub use ambient_occlusion::AmbientOcclusion;
 pub use auto_exposure::AutoExposure;
 pub use frame_times::FrameTimes;
+pub use levels::Levels;
 pub use light_scaling::LightScaling;
 pub use many_meshes::ManyMeshes;
 pub use motion::Motion;
@@ -100,6 +102,7 @@ macro_rules! benches {
 
 benches! {
     frame_times FrameTimes,
+    levels Levels,
     ambient_occlusion AmbientOcclusion,
     screen_space ScreenSpace,
     motion Motion,

@@ -27,6 +27,10 @@ fn heading(bench: &str) -> (&'static str, &'static str) {
             "Frames",
             "A frame by Bevy forward, Bevy deferred and this crate. Error is what a picture differs from forward's.",
         ),
+        "levels" => (
+            "Levels",
+            "Frames of glTF levels by Bevy forward, Bevy deferred and this crate, without and with effects.",
+        ),
         "ambient_occlusion" => (
             "Ambient occlusion",
             "Each preset beside Bevy's and a naive version; the error is to a closed form.",

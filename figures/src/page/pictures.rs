@@ -64,7 +64,9 @@ pub fn section(bench: &str, folder: &Path) -> Result<String, String> {
 fn groups(bench: &str, names: &[String]) -> Vec<Group> {
     // The reference's name within the file's, and the others that a page has room for.
     let (reference, errors, gain, shown): (&str, bool, u8, &[&str]) = match bench {
-        "frame_times" | "many_meshes" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
+        "frame_times" | "levels" | "many_meshes" => {
+            ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"])
+        }
         "light_scaling" => ("Bevy_forward", true, 16, &["Bevy_deferred", "lean"]),
         "ambient_occlusion" => (
             "Ultra__indirect",

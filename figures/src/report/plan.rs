@@ -36,7 +36,8 @@ pub struct Step {
     pub expected: f64,
 }
 
-/// All benches; with a glTF file, also frames of it.
+/// All benches; with a glTF file, also frames of it. Levels only in quick runs, which measure a room that the bench writes: others have to
+/// be fetched.
 pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
     let step = |bench, args: &[&str], expected| Step {
         bench,
@@ -62,6 +63,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                 ],
                 45.0,
             ),
+            step("levels", &["--quick"], 60.0),
             step(
                 "ambient_occlusion",
                 &[

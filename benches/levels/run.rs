@@ -1,0 +1,178 @@
+//! Measures the views of one level with one renderer.
+
+use core::any::TypeId;
+
+use bevy::{
+    camera::{Hdr, visibility::VisibleEntities},
+    diagnostic::DiagnosticsStore,
+    pbr::DefaultOpaqueRendererMethod,
+    prelude::*,
+    reflect::structs::Struct,
+    render::diagnostic::RenderDiagnosticsPlugin,
+};
+use bevy_lean_deferred::{gbuffer::GBufferUsage, prelude::*};
+use figures::benches::levels::{ForwardMeshes, Measurement};
+use kit::{
+    bench_spans::{CAMERA, add_bench_spans},
+    gpu_time::Samples,
+    headless::{Headless, Picture},
+    levels::{Level, LoadedLevel, View, evenly_spread},
+};
+
+use crate::{Extent, contender::Contender};
+
+/// Bevy's span of blended meshes.
+const BLENDED: &str = "main_transparent_pass_3d";
+/// Prefix of the spans of effects.
+const EFFECTS: &str = "lean_deferred/effects/";
+
+/// A measured view.
+pub struct Shot {
+    pub figures: Measurement,
+    pub picture: Picture,
+}
+
+/// Measures the views of `path` or, without it, those of the level.
+pub fn measure(
+    level: &Level,
+    contender: Contender,
+    path: Option<&[View]>,
+    extent: Extent,
+) -> Result<Vec<Shot>, String> {
+    let mut headless = Headless::with(extent.size, |app| {
+        app.add_plugins(RenderDiagnosticsPlugin);
+        if contender == Contender::BevyDeferred {
+            app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+        }
+        add_bench_spans(app);
+    });
+    let loaded = level.spawn(&mut headless)?;
+    let camera = spawn_camera(&mut headless, level, contender, extent);
+    let views = path.unwrap_or(&loaded.views);
+    let mut shots = Vec::new();
+    for view in evenly_spread(views.len(), extent.views) {
+        let place = (views[view].transform(), CameraCut);
+        headless.world().entity_mut(camera).insert(place);
+        headless.settle();
+        let samples = sample(&mut headless, extent);
+        if contender.is_lean() && usage(&headless, camera).is_none() {
+            return Err(format!("{}: the lean camera was drawn forward", level.name));
+        }
+        let figures = Measurement {
+            view,
+            ..figures(
+                &headless,
+                camera,
+                (level, &loaded),
+                contender,
+                extent,
+                &samples,
+            )
+        };
+        let picture = headless.capture();
+        shots.push(Shot { figures, picture });
+    }
+    Ok(shots)
+}
+
+fn spawn_camera(
+    headless: &mut Headless,
+    level: &Level,
+    contender: Contender,
+    extent: Extent,
+) -> Entity {
+    let target = headless.render_target();
+    let world = headless.world();
+    let mut commands = world.commands();
+    let mut camera = commands.spawn((
+        Camera3d::default(),
+        Hdr,
+        Msaa::Off,
+        target,
+        level.exposure(),
+    ));
+    contender.dress(extent.preset, &mut camera);
+    let camera = camera.id();
+    world.flush();
+    camera
+}
+
+fn sample(headless: &mut Headless, extent: Extent) -> Samples {
+    headless.frames(extent.warm_up);
+    let mut samples = Samples::default();
+    for _ in 0..extent.frames {
+        headless.frames(1);
+        samples.take(headless.app.world().resource::<DiagnosticsStore>());
+    }
+    samples
+}
+
+/// Targets of a lean camera's G-buffer; `None` while it has none.
+fn usage(headless: &Headless, camera: Entity) -> Option<GBufferUsage> {
+    let usage = headless.app.world().get::<GBufferUsage>(camera)?;
+    usage.is_active().then_some(*usage)
+}
+
+fn figures(
+    headless: &Headless,
+    camera: Entity,
+    (level, loaded): (&Level, &LoadedLevel),
+    contender: Contender,
+    extent: Extent,
+    samples: &Samples,
+) -> Measurement {
+    let world = headless.app.world();
+    let renderer = contender.renderer();
+    let (geometry, lighting) = renderer.spans();
+    let gbuffer = usage(headless, camera).map_or(0, |usage| usage.bytes_per_pixel());
+    let (bytes_written_by_geometry, bytes_in_all) = renderer.bytes_per_pixel(gbuffer);
+    let visible = world.get::<VisibleEntities>(camera);
+    Measurement {
+        device: headless.adapter_and_driver(),
+        size: extent.size.to_array(),
+        frames: extent.frames,
+        level: level.name.clone(),
+        view: 0,
+        contender: contender.name().into(),
+        meshes: visible.map_or(0, |visible| visible.len(TypeId::of::<Mesh3d>())),
+        lights: loaded.lights,
+        lightmapped: loaded.lightmapped,
+        geometry: samples.time(geometry),
+        lighting: lighting.and_then(|name| samples.time(name)),
+        effects: samples.sum_within(EFFECTS),
+        blended: samples.time(BLENDED),
+        camera: samples.time(CAMERA),
+        spans: samples.medians(),
+        bytes_written_by_geometry,
+        bytes_in_all,
+        psnr: None,
+        off_by_8: None,
+        memory: (world.get::<LeanMemory>(camera)).map_or(Vec::new(), bytes_by_field),
+        forward: forward_meshes(world.get(camera), loaded),
+    }
+}
+
+fn bytes_by_field(memory: &LeanMemory) -> Vec<(String, u64)> {
+    let fields = (0..memory.field_len()).filter_map(|index| {
+        let bytes = memory.field_at(index)?.try_downcast_ref::<u64>()?;
+        Some((memory.name_at(index)?.to_owned(), *bytes))
+    });
+    fields.collect()
+}
+
+/// The reasons for which forward draws meshes of a lean camera, with the names of some materials.
+fn forward_meshes(report: Option<&LeanForwardMeshes>, loaded: &LoadedLevel) -> Vec<ForwardMeshes> {
+    let Some(report) = report else {
+        return Vec::new();
+    };
+    let reasons = report.counts.iter().map(|(reason, meshes)| {
+        let materials = report.first.iter().filter(|(_, other)| other == reason);
+        let names = materials.filter_map(|(material, _)| loaded.material_names.get(material));
+        ForwardMeshes {
+            reason: reason.to_string(),
+            meshes: *meshes,
+            materials: names.cloned().collect(),
+        }
+    });
+    reasons.collect()
+}
