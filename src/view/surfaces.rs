@@ -88,6 +88,11 @@ impl LightingVariants {
         kinds.into_iter().any(|kind| self.intersects(kind.as_set()))
     }
 
+    /// Those of these kinds whose surfaces have no lightmap.
+    pub(crate) fn without_lightmaps(self) -> Self {
+        Self::from_bits_retain(self.bits() & ((1 << LightingVariant::LIGHTMAPPED) - 1))
+    }
+
     /// True if surfaces of one of these kinds have lightmaps.
     pub(crate) fn have_lightmaps(self) -> bool {
         self.bits() >> LightingVariant::LIGHTMAPPED != 0

@@ -31,7 +31,8 @@ use crate::{
     },
     gpu::{
         bind_group_cache::CachedBindGroup, picture_bind_groups::PictureBindGroups,
-        storage_texture::StorageTexture, texture_bytes::texture_bytes,
+        pipeline_watch::PipelineWatch, storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
     },
     view::{CameraCuts, OutOfMemory},
 };
@@ -216,7 +217,7 @@ pub(in crate::effects) fn prepare_histories(
 /// Updates the bind groups of all views with a history.
 pub(in crate::effects) fn prepare_history_bind_groups(
     device: Res<RenderDevice>,
-    cache: Res<PipelineCache>,
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     pipelines: Option<ResMut<HistoryPipelines>>,
     uniforms: Res<HistoryUniforms>,
     mut views: Query<(&mut ViewHistory, &ViewTarget, &ViewDepthTexture)>,
@@ -232,7 +233,7 @@ pub(in crate::effects) fn prepare_history_bind_groups(
         };
         let shown_exposure = &history.shown_exposure;
         let (first, rest) = history.kept.levels.split_at(LEVELS[0] as usize);
-        let [of_picture, of_level] = pipelines.specialize(&cache, HistoryKey) else {
+        let [of_picture, of_level] = pipelines.specialize(&cache, &watch, HistoryKey) else {
             continue;
         };
         (history.pictures).bind(&device, of_picture, target, |binding, picture| {
