@@ -24,6 +24,7 @@
 //! | [`LeanSubsurfaceScattering`] | light scatters beneath surfaces whose material asks for it | 3D cameras; adds [`LeanDeferred`] |
 //! | [`LeanAutoExposure`] | exposure from the image's luminance | 3D and 2D cameras; adds `Hdr` |
 //! | [`CameraCut`] | the camera jumps: effects drop their history | all of these |
+//! | [`LeanPrewarm`] | pipelines are compiled during a loading screen | cameras with [`LeanDeferred`] |
 //! | [`LeanDebugView`] | data of an effect in place of the image | all of these |
 //!
 //! Each can be added, changed and removed at run time; without it nothing is allocated, bound or dispatched for it.
@@ -126,7 +127,8 @@ pub use effects::{
 pub use preset::LeanPreset;
 pub use view::{
     CameraCut, DebugView, EffectStatus, LeanDebugView, LeanDeferred, LeanMemory, LeanOffReason,
-    LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
+    LeanPrewarm, LeanQuality, LeanResolution, LeanStatus, LeanSupport, LightCulling,
+    PrewarmFeatures, PrewarmProgress,
 };
 
 use bevy::app::plugin_group;

@@ -7,6 +7,7 @@ use bevy::render::render_resource::PipelineCache;
 use super::inputs::RequestedViewItem;
 use crate::{
     gbuffer::WantedDemand,
+    gpu::pipeline_watch::PipelineWatch,
     lighting::{CompiledLighting, LightingKey, LightingPipelines, ViewLighting},
     view::{ActiveLeanView, Demand, LightingIo},
 };
@@ -66,8 +67,10 @@ pub(super) struct PipelineSelection<'a> {
     pub(super) pipelines: &'a mut LightingPipelines,
     pub(super) cache: &'a PipelineCache,
     pub(super) compiled: CompiledLighting,
-    /// A pipeline that is queued causes no long frame.
-    pub(super) compiles_in_background: bool,
+    /// Tells if a pipeline that is queued causes no long frame.
+    pub(super) watch: &'a PipelineWatch,
+    /// The camera is prewarmed: nothing is compiled that fits its loading screen.
+    pub(super) is_prewarmed: bool,
 }
 
 impl PipelineSelection<'_> {
@@ -89,54 +92,106 @@ impl PipelineSelection<'_> {
         if self.may_be_general()
             && let Some((_, wanted)) = candidates.next()
         {
-            self.pipelines.request_general(self.cache, wanted);
+            self.pipelines
+                .request_general(self.cache, self.watch, wanted);
         }
         let (best, key) = found?;
         lighting.parts = key.parts();
-        lighting.frames = lighting.frames.saturating_add(1);
+        lighting.frames = if self.is_prewarmed {
+            FIRST_FRAMES
+        } else {
+            lighting.frames.saturating_add(1)
+        };
         Some(best)
     }
 
-    /// Sets the pipelines of `lighting` to those that fit `key`, keeps them if they fit more than that, or else sets them to
-    /// general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each new one
-    /// delays the frame.
+    /// Sets the pipelines of `lighting` to those that fit `key` or a prewarmed level, keeps them if they fit more than that, or else
+    /// sets them to general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each
+    /// new one delays the frame, or a prewarmed level has it.
     fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
         let may_fit = self.may_fit(key);
         if may_fit && self.are_set(key, lighting) {
             return true;
         }
+        if may_fit && self.are_of_level(key, lighting) {
+            return true;
+        }
         let is_lit = self.may_be_general()
             && ((may_fit && self.include(key, lighting))
                 || (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting)));
-        if may_fit && (!is_lit || self.may_queue(lighting)) {
-            let queued = key
+        if may_fit && self.may_request(key, is_lit, lighting) {
+            let queued: Option<Vec<_>> = key
                 .dispatches()
-                .map(|key| (key, self.pipelines.specialize(self.cache, key)));
-            if is_lit {
-                queued.for_each(drop);
-            } else {
-                lighting.pipelines = queued.collect();
+                .map(|key| Some((key, self.pipelines.request(self.cache, self.watch, key)?)))
+                .collect();
+            if let Some(queued) = queued.filter(|_| !is_lit) {
+                lighting.pipelines = queued;
             }
         }
         is_lit
     }
 
-    /// Queues the pipelines that fit `key`, the next state of a view with this `lighting`, unless general ones may light it and each
-    /// new one delays the frame.
+    /// Queues the pipelines that fit `key`, the next state of a view with this `lighting`, unless others may light it and each new one
+    /// delays the frame, or a prewarmed level has it.
     pub(super) fn request(&mut self, key: LightingKey, lighting: &ViewLighting) {
-        if self.may_fit(key) && (!self.may_be_general() || self.may_queue(lighting)) {
+        let is_lit = self.may_be_general();
+        if self.may_fit(key) && !self.has_level_for(key) && self.may_request(key, is_lit, lighting)
+        {
             for key in key.dispatches() {
-                self.pipelines.specialize(self.cache, key);
+                self.pipelines.request(self.cache, self.watch, key);
             }
         }
     }
 
-    fn may_fit(&self, key: LightingKey) -> bool {
-        self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key)
+    /// Queues the pipelines that fit these levels, if they may be requested now. Returns the number of missing ones that may not.
+    pub(super) fn prewarm(&mut self, levels: Vec<LightingKey>, is_now: bool) -> usize {
+        let mut awaited = 0;
+        for level in levels {
+            if !self.may_fit(level) {
+                continue;
+            }
+            let missing = level
+                .dispatches()
+                .filter(|key| !self.pipelines.is_requested(*key));
+            let missing: Vec<LightingKey> = missing.collect();
+            // No view may need all that a level has.
+            if !missing.is_empty() && !self.pipelines.can_bind(level) {
+                continue;
+            }
+            if is_now {
+                self.pipelines.add_level(level);
+                for key in missing {
+                    self.pipelines.request(self.cache, self.watch, key);
+                }
+            } else {
+                awaited += missing.len();
+            }
+        }
+        awaited
     }
 
-    fn may_queue(&self, lighting: &ViewLighting) -> bool {
-        self.compiles_in_background || lighting.frames < FIRST_FRAMES
+    /// Tells if pipelines that fit `key` may be queued, for a view that others light or not.
+    fn may_request(&self, key: LightingKey, is_lit: bool, lighting: &ViewLighting) -> bool {
+        if self.is_prewarmed && self.may_be_general() && self.pipelines.have_room_for(key) {
+            return false;
+        }
+        !is_lit || self.watch.compiles_in_background() || lighting.frames < FIRST_FRAMES
+    }
+
+    fn has_level_for(&self, key: LightingKey) -> bool {
+        let mut levels = self.pipelines.levels_for(key);
+        levels.any(|level| self.pipelines.compiled(self.cache, level).is_some())
+    }
+
+    /// Sets the pipelines of `lighting` to compiled ones that fit a prewarmed level, if these light a view with this `key`.
+    fn are_of_level(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
+        self.may_be_general()
+            && self.pipelines.have_placeholders()
+            && (self.pipelines.levels_for(key)).any(|level| self.are_set(level, lighting))
+    }
+
+    fn may_fit(&self, key: LightingKey) -> bool {
+        self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key)
     }
 
     /// True if the pipelines of `lighting` are compiled, and light a view with this `key` as they light the one that they fit.

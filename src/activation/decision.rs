@@ -17,9 +17,10 @@ use super::{
     draw_order::draw_order,
     eligibility::is_eligible,
     inputs::{DecisionInputs, RequestedView, RequestedViewItem},
+    prewarm::{request_motion, states_of_level},
 };
 use crate::{
-    lighting::{SceneLights, ViewLighting},
+    lighting::{LightingKey, SceneLights, ViewLighting},
     view::{ActiveLeanView, Effect, EffectStatuses, OutOfMemory},
 };
 
@@ -111,16 +112,34 @@ fn decide(
             active,
         )
     };
+    let prewarmed = inputs.prewarming.get_mut(id.main_entity);
     let candidates = candidates(&view, order, wanted).map(|active| (active, key(&active)));
     let mut selection = PipelineSelection {
         pipelines: inputs.lighting_pipelines.as_deref_mut()?,
         cache: &inputs.pipeline_cache,
         compiled: *inputs.compiled_lighting,
-        compiles_in_background: inputs.pipeline_watch.compiles_in_background(),
+        watch: &inputs.pipeline_watch,
+        is_prewarmed: prewarmed.is_some(),
     };
     let active = selection.best(candidates, lighting);
     if let Some(next) = next_state(&view, order, wanted) {
         selection.request(key(&next), lighting);
+    }
+    if let Some(camera) = prewarmed {
+        request_motion(
+            &view,
+            camera.all_features(),
+            order.culls_in_two_phases,
+            inputs.motion_pipelines.as_deref_mut(),
+            (&inputs.pipeline_cache, &inputs.pipeline_watch),
+        );
+        let states = states_of_level(&view, order, camera);
+        let states: Vec<LightingKey> = states.map(|state| key(&state)).collect();
+        let levels = states
+            .into_iter()
+            .flat_map(|now| scene.level_keys(now, &inputs.level, &camera.features, settings));
+        let levels: Vec<LightingKey> = levels.collect();
+        camera.awaited_lighting = selection.prewarm(levels, camera.requests_lighting);
     }
     set_status(&view, active.as_ref(), lighting, inputs);
     apply(commands, &view, new_lighting, active);

@@ -38,7 +38,8 @@ pub(super) fn draw_order(view: &RequestedViewItem, inputs: &mut DecisionInputs) 
 
 fn can_resolve_motion(inputs: &mut DecisionInputs, in_two_phases: bool) -> bool {
     let pipelines = inputs.motion_pipelines.as_mut();
-    pipelines.is_some_and(|pipelines| pipelines.are_ready(&inputs.pipeline_cache, in_two_phases))
+    let (cache, watch) = (&inputs.pipeline_cache, &inputs.pipeline_watch);
+    pipelines.is_some_and(|pipelines| pipelines.are_ready(cache, watch, in_two_phases))
 }
 
 /// True if, when lighting reads depth, it is above 0 exactly at pixels with a lean mesh.

@@ -21,10 +21,10 @@ use crate::{
         named::{query_item, system_param},
         pipeline_watch::PipelineWatch,
     },
-    lighting::{CompiledLighting, LightingPipelines, SceneFeatures, ViewLighting},
+    lighting::{CompiledLighting, LevelLights, LightingPipelines, SceneFeatures, ViewLighting},
     view::{
         ActiveLeanView, EffectStatuses, LeanDebugView, LeanDeferred, LeanSupport, LightingIoQuery,
-        OutOfMemory,
+        OutOfMemory, Prewarming,
     },
 };
 
@@ -65,6 +65,8 @@ system_param! {
         pub(super) support: Res<'w, LeanSupport>,
         pub(super) memory: Res<'w, OutOfMemory>,
         pub(super) scene: SceneFeatures<'w, 's>,
+        pub(super) level: Res<'w, LevelLights>,
+        pub(super) prewarming: ResMut<'w, Prewarming>,
         pub(super) view_keys: Res<'w, ViewKeyCache>,
         pub(super) demands: ResMut<'w, ViewDemands>,
         pub(super) moving_meshes: Res<'w, MovingMeshes>,

@@ -13,6 +13,7 @@
 // - `eligibility.rs`: decides which views can be lean.
 // - `draw_order.rs`: decides when and how the meshes of a view are drawn.
 // - `candidates.rs`: the states that a view may have, and the best of them whose lighting is compiled.
+// - `prewarm.rs`: the state that a prewarmed camera will have in its level.
 // - `support.rs`: capabilities that the device needs.
 // - `notice.rs`: logs that a camera has become lean.
 // - `foreign_depth.rs`: detects other renderers that may draw depth before the G-buffer.
@@ -24,6 +25,7 @@ mod eligibility;
 mod foreign_depth;
 mod inputs;
 mod notice;
+mod prewarm;
 mod support;
 
 pub use support::missing_capabilities;

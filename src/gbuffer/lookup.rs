@@ -105,7 +105,8 @@ impl MeshLookup<'_> {
         })
     }
 
-    fn find_kind(
+    /// As [`find`](Self::find), without an instance.
+    pub(super) fn find_kind(
         &self,
         material_id: UntypedAssetId,
         mesh_id: AssetId<Mesh>,
@@ -152,8 +153,27 @@ impl MeshLookup<'_> {
         mesh: &MeshToQueue<'a>,
         view_key: MeshPipelineKey,
     ) -> Result<(MeshDemand, &'a MaterialShaders), ForwardReason> {
-        let (needs, shaders) = mesh.needs?;
+        let mut targets = self.special_meshes.targets(entity);
+        if self.moving_meshes.contains(entity) {
+            targets |= GBufferTargets::MOTION;
+        }
+        if self.special_meshes.visibility_mask(entity) != DEFAULT_VISIBILITY_MASK {
+            targets |= GBufferTargets::VISIBILITY_MASK;
+        }
         let lightmapped = self.lightmapped_meshes.key(entity).is_some();
+        self.needs_of(mesh, lightmapped, targets, view_key)
+    }
+
+    /// As [`gbuffer_needs`](Self::gbuffer_needs), for an instance that needs these `targets` beside those of its mesh and
+    /// material.
+    pub(super) fn needs_of<'a>(
+        &self,
+        mesh: &MeshKind<'a>,
+        lightmapped: bool,
+        targets: GBufferTargets,
+        view_key: MeshPipelineKey,
+    ) -> Result<(MeshDemand, &'a MaterialShaders), ForwardReason> {
+        let (needs, shaders) = mesh.needs?;
         // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
         // but a lighting pipeline that never compiles would block all other special surfaces.
         if lightmapped
@@ -162,16 +182,13 @@ impl MeshLookup<'_> {
         {
             return Err(ForwardReason::LightmapUnderEnvironment);
         }
-        let mut targets = needs.targets | self.special_meshes.targets(entity);
+        let mut targets = needs.targets | targets;
         // Unlit surfaces have none of its light.
         if lightmapped && needs.shading_model != ShadingModel::Unlit {
             targets |= GBufferTargets::EMISSIVE;
         }
-        if mesh.deforms || self.moving_meshes.contains(entity) {
+        if mesh.deforms {
             targets |= GBufferTargets::MOTION;
-        }
-        if self.special_meshes.visibility_mask(entity) != DEFAULT_VISIBILITY_MASK {
-            targets |= GBufferTargets::VISIBILITY_MASK;
         }
         let demand = MeshDemand {
             demand: Demand {

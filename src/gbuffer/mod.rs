@@ -39,6 +39,7 @@
 // - `phase.rs`, `phase_item.rs`: the render phases and their items.
 // - `pipeline.rs`: specializes pipelines.
 // - `specialize.rs`: looks up the pipeline of a mesh.
+// - `prewarm.rs`: requests the pipelines of all meshes while cameras are prewarmed.
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
 // - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
@@ -70,6 +71,7 @@ mod phase;
 mod phase_item;
 mod pipeline;
 mod placement;
+mod prewarm;
 mod queue;
 mod registration;
 mod resolve_motion;
@@ -185,6 +187,8 @@ impl Plugin for GBufferPlugin {
             .init_resource::<ViewDemands>()
             .init_resource::<forward_meshes::ForwardMeshes>()
             .init_resource::<SortedMeshes>()
+            .init_resource::<prewarm::PrewarmedMeshes>()
+            .init_resource::<specialize::RequestedPipelines>()
             .init_resource::<pipeline_filter::PipelineFilter>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
@@ -234,6 +238,11 @@ impl Plugin for GBufferPlugin {
                 (
                     queue::queue_gbuffer_meshes
                         .in_set(RenderSystems::QueueMeshes)
+                        .before(queue_material_meshes)
+                        .before(queue_prepass_material_meshes),
+                    prewarm::prewarm_meshes
+                        .in_set(RenderSystems::QueueMeshes)
+                        .after(queue::queue_gbuffer_meshes)
                         .before(queue_material_meshes)
                         .before(queue_prepass_material_meshes),
                     pipeline_filter::restore_pipelines

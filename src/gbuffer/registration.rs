@@ -15,10 +15,13 @@ use bevy::{
 };
 
 use super::{
-    demand::ViewDemands, forward_reason::ForwardReason, material::GBufferMaterial,
+    demand::ViewDemands,
+    forward_reason::ForwardReason,
+    material::GBufferMaterial,
+    prewarm::{PrewarmedMeshes, extract_prewarmed_meshes},
     targets::GBufferNeeds,
 };
-use crate::view::{EffectSystems, LeanDeferred};
+use crate::view::{EffectSystems, LeanDeferred, PrewarmExtraction};
 
 /// Draws meshes with material `M` into the G-buffer. Add it beside `M`'s [`MaterialPlugin`], in any order.
 ///
@@ -158,8 +161,15 @@ where
             .init_resource::<GBufferMaterials>()
             // Each material type writes only its own entries.
             .allow_ambiguous_resource::<GBufferMaterials>()
+            .allow_ambiguous_resource::<PrewarmedMeshes>()
             .add_systems(RenderStartup, load_shaders)
-            .add_systems(ExtractSchedule, extract_needs.in_set(EffectSystems::Lean));
+            .add_systems(
+                ExtractSchedule,
+                (
+                    extract_needs.in_set(EffectSystems::Lean),
+                    extract_prewarmed_meshes::<M>.in_set(PrewarmExtraction),
+                ),
+            );
     }
 }
 

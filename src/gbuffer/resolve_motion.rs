@@ -47,6 +47,7 @@ use crate::{
     gpu::{
         bind_group_cache::{CachedBindGroup, ResolvedLayout},
         bindings::layout,
+        pipeline_watch::PipelineWatch,
     },
     view::{ActiveLeanView, GBufferTargets},
 };
@@ -105,8 +106,14 @@ pub(super) fn init_motion_resolve_pipelines(
 }
 
 impl MotionResolvePipelines {
-    /// True if all pipelines that a view may need are compiled, with and without a motion target. Queues missing ones.
-    pub(crate) fn are_ready(&mut self, cache: &PipelineCache, in_two_phases: bool) -> bool {
+    /// True if all pipelines that a view may need are compiled, with and without a motion target. Queues missing ones, as far as
+    /// the budget of `watch` admits.
+    pub(crate) fn are_ready(
+        &mut self,
+        cache: &PipelineCache,
+        watch: &PipelineWatch,
+        in_two_phases: bool,
+    ) -> bool {
         let mut ready = true;
         for late in [false, true] {
             for motion_target in [false, true] {
@@ -115,8 +122,11 @@ impl MotionResolvePipelines {
                         late,
                         motion_target,
                     };
-                    let pipeline = self.specialize(cache, key);
-                    ready &= cache.get_render_pipeline(pipeline).is_some();
+                    let is_requested = self.by_key.contains_key(&key) || watch.budget.admits();
+                    ready &= is_requested && {
+                        let pipeline = self.specialize(cache, key);
+                        cache.get_render_pipeline(pipeline).is_some()
+                    };
                 }
             }
         }

@@ -21,13 +21,16 @@ use bevy::{
 };
 
 use super::{
-    lookup::{MeshLookup, MeshToQueue, RECENT_KINDS},
+    lookup::{MeshKind, MeshLookup, MeshToQueue, RECENT_KINDS},
     pipeline::{GBufferPipelineKey, GBufferPipelineSpecializer},
     placement::MeshOutput,
     registration::MaterialShaders,
 };
 use crate::{
-    gpu::{named::system_param, pipeline_watch::is_settled},
+    gpu::{
+        named::system_param,
+        pipeline_watch::{PipelineWatch, is_settled},
+    },
     view::GBufferTargets,
 };
 
@@ -43,10 +46,37 @@ system_param! {
         found: Local<'s, HashMap<PipelineQuery, GBufferPipeline>>,
         /// The last of these for each recent mesh kind.
         recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
-        /// Hashes of all requested pipelines.
-        requested: Local<'s, HashSet<u64>>,
+        requested: ResMut<'w, RequestedPipelines>,
+        watch: Res<'w, PipelineWatch>,
         /// Errors that have been logged; each is logged once.
         reported: Local<'s, HashSet<String>>,
+    }
+}
+
+/// Hashes of the pipelines that were requested, and of those that were withheld in this frame.
+#[derive(Resource, Default)]
+pub(super) struct RequestedPipelines {
+    all: HashSet<u64>,
+    withheld: HashSet<u64>,
+}
+
+impl RequestedPipelines {
+    /// True if the pipeline is requested, or may be: within the budget of the frame.
+    fn admit(&mut self, pipeline: u64, watch: &PipelineWatch) -> bool {
+        if self.all.contains(&pipeline) {
+            return true;
+        }
+        if self.withheld.contains(&pipeline) {
+            return false;
+        }
+        let is_admitted = watch.budget.admits();
+        let set = if is_admitted {
+            &mut self.all
+        } else {
+            &mut self.withheld
+        };
+        set.insert(pipeline);
+        is_admitted
     }
 }
 
@@ -72,13 +102,19 @@ pub(super) enum GBufferPipeline {
 }
 
 impl GBufferPipelines<'_, '_> {
-    /// Call once per frame, before all other methods.
+    /// Call once per frame, before all systems that have these pipelines.
     pub(super) fn start_frame(&mut self) {
+        self.requested.withheld.clear();
+        if self.are_of_another_device() {
+            self.requested.all.clear();
+        }
+        self.start();
+    }
+
+    /// Call once per frame and system, before all other methods.
+    pub(super) fn start(&mut self) {
         self.found.clear();
         self.recent.clear();
-        if self.are_of_another_device() {
-            self.requested.clear();
-        }
         if self.prepass_pipeline.is_changed() || self.shared_prepass_pipeline.is_none() {
             *self.shared_prepass_pipeline = Some(Arc::new(self.prepass_pipeline.clone()));
         }
@@ -99,13 +135,8 @@ impl GBufferPipelines<'_, '_> {
         shaders: &MaterialShaders,
         output: MeshOutput,
     ) -> GBufferPipeline {
-        let query = PipelineQuery {
-            material: Arc::as_ptr(&mesh.material.properties).addr(),
-            layout: Arc::as_ptr(&mesh.mesh.layout.0).addr(),
-            mesh_key: mesh_key(lookup, entity, mesh, view_key, output),
-            fragment_shader: shaders.fragment.id(),
-            output,
-        };
+        let instance = instance_key(lookup, entity, mesh);
+        let query = query(mesh, instance, view_key, shaders, output);
         if self.recent.is_empty() {
             self.recent.resize(RECENT_KINDS, None);
         }
@@ -113,16 +144,36 @@ impl GBufferPipelines<'_, '_> {
             Some((recent, pipeline)) if recent == query => return pipeline,
             _ => {}
         }
-        let pipeline = match self.found.get(&query) {
-            Some(found) => *found,
-            None => {
-                let key = pipeline_key(mesh, query.mesh_key, shaders, output);
-                let pipeline = self.specialize(mesh, shaders, key);
-                self.found.insert(query, pipeline);
-                pipeline
-            }
-        };
+        let pipeline = self.find(mesh, shaders, query);
         self.recent[mesh.place] = Some((query, pipeline));
+        pipeline
+    }
+
+    /// As [`get`](Self::get), for an instance with these key bits that need not exist yet.
+    pub(super) fn get_for(
+        &mut self,
+        mesh: &MeshKind,
+        instance: MeshPipelineKey,
+        view_key: MeshPipelineKey,
+        shaders: &MaterialShaders,
+        output: MeshOutput,
+    ) -> GBufferPipeline {
+        let query = query(mesh, instance, view_key, shaders, output);
+        self.find(mesh, shaders, query)
+    }
+
+    fn find(
+        &mut self,
+        mesh: &MeshKind,
+        shaders: &MaterialShaders,
+        query: PipelineQuery,
+    ) -> GBufferPipeline {
+        if let Some(found) = self.found.get(&query) {
+            return *found;
+        }
+        let key = pipeline_key(mesh, query.mesh_key, shaders, query.output);
+        let pipeline = self.specialize(mesh, shaders, key);
+        self.found.insert(query, pipeline);
         pipeline
     }
 
@@ -136,14 +187,15 @@ impl GBufferPipelines<'_, '_> {
         shaders: &MaterialShaders,
         output: MeshOutput,
     ) -> bool {
-        let mesh_key = mesh_key(lookup, entity, mesh, view_key, output);
+        let instance = instance_key(lookup, entity, mesh);
+        let mesh_key = mesh_key(mesh, instance, view_key, output);
         let key = pipeline_key(mesh, mesh_key, shaders, output);
-        (self.requested).contains(&FixedHasher.hash_one((&mesh.mesh.layout, key)))
+        (self.requested.all).contains(&FixedHasher.hash_one((&mesh.mesh.layout, key)))
     }
 
     fn specialize(
         &mut self,
-        mesh: &MeshToQueue,
+        mesh: &MeshKind,
         shaders: &MaterialShaders,
         key: GBufferPipelineKey,
     ) -> GBufferPipeline {
@@ -151,7 +203,10 @@ impl GBufferPipelines<'_, '_> {
             return GBufferPipeline::Pending(None);
         };
         let layout = &mesh.mesh.layout;
-        (self.requested).insert(FixedHasher.hash_one((layout, &key)));
+        let hash = FixedHasher.hash_one((layout, &key));
+        if !self.requested.admit(hash, &self.watch) {
+            return GBufferPipeline::Pending(None);
+        }
         let specializer = GBufferPipelineSpecializer {
             pipeline,
             properties: mesh.material.properties.clone(),
@@ -180,8 +235,24 @@ impl GBufferPipelines<'_, '_> {
     }
 }
 
+fn query(
+    mesh: &MeshKind,
+    instance: MeshPipelineKey,
+    view_key: MeshPipelineKey,
+    shaders: &MaterialShaders,
+    output: MeshOutput,
+) -> PipelineQuery {
+    PipelineQuery {
+        material: Arc::as_ptr(&mesh.material.properties).addr(),
+        layout: Arc::as_ptr(&mesh.mesh.layout.0).addr(),
+        mesh_key: mesh_key(mesh, instance, view_key, output),
+        fragment_shader: shaders.fragment.id(),
+        output,
+    }
+}
+
 fn pipeline_key(
-    mesh: &MeshToQueue,
+    mesh: &MeshKind,
     mesh_key: MeshPipelineKey,
     shaders: &MaterialShaders,
     output: MeshOutput,
@@ -194,20 +265,13 @@ fn pipeline_key(
     (key, shaders.fragment.id(), output)
 }
 
-fn mesh_key(
-    lookup: &MeshLookup,
-    entity: MainEntity,
-    mesh: &MeshToQueue,
-    view_key: MeshPipelineKey,
-    output: MeshOutput,
-) -> MeshPipelineKey {
-    // Views share pipelines: those for any projection, and without motion vectors unless the mesh writes its own.
-    let mut key = (view_key & MeshPipelineKey::INVERT_CULLING)
-        | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD
-        | MeshPipelineKey::from_msaa_samples(1)
-        | MeshPipelineKey::DEFERRED_PREPASS
-        | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
-        | alpha_mode_pipeline_key(mesh.material.properties.alpha_mode, &Msaa::Off);
+/// Key bits of instances that have a previous skin or morph. Only pipelines that write motion have them.
+const PREVIOUS: MeshPipelineKey =
+    MeshPipelineKey::HAS_PREVIOUS_SKIN.union(MeshPipelineKey::HAS_PREVIOUS_MORPH);
+
+/// Key bits of an instance beside those of its mesh and material.
+fn instance_key(lookup: &MeshLookup, entity: MainEntity, mesh: &MeshToQueue) -> MeshPipelineKey {
+    let mut key = MeshPipelineKey::empty();
     if lookup
         .visibility_ranges
         .entity_has_crossfading_visibility_ranges(entity)
@@ -217,17 +281,34 @@ fn mesh_key(
     if let Some(lightmap) = lookup.lightmapped_meshes.key(entity) {
         key |= lightmap;
     }
-    if output.targets.contains(GBufferTargets::MOTION) {
-        key |= MeshPipelineKey::MOTION_VECTOR_PREPASS;
-        let flags = mesh.instance.flags();
-        key.set(
-            MeshPipelineKey::HAS_PREVIOUS_SKIN,
-            flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
-        );
-        key.set(
-            MeshPipelineKey::HAS_PREVIOUS_MORPH,
-            flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
-        );
-    }
+    let flags = mesh.instance.flags();
+    key.set(
+        MeshPipelineKey::HAS_PREVIOUS_SKIN,
+        flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
+    );
+    key.set(
+        MeshPipelineKey::HAS_PREVIOUS_MORPH,
+        flags.contains(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
+    );
     key
+}
+
+fn mesh_key(
+    mesh: &MeshKind,
+    instance: MeshPipelineKey,
+    view_key: MeshPipelineKey,
+    output: MeshOutput,
+) -> MeshPipelineKey {
+    // Views share pipelines: those for any projection, and without motion vectors unless the mesh writes its own.
+    let key = (view_key & MeshPipelineKey::INVERT_CULLING)
+        | MeshPipelineKey::VIEW_PROJECTION_NONSTANDARD
+        | MeshPipelineKey::from_msaa_samples(1)
+        | MeshPipelineKey::DEFERRED_PREPASS
+        | MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits())
+        | alpha_mode_pipeline_key(mesh.material.properties.alpha_mode, &Msaa::Off);
+    if output.targets.contains(GBufferTargets::MOTION) {
+        key | instance | MeshPipelineKey::MOTION_VECTOR_PREPASS
+    } else {
+        key | (instance - PREVIOUS)
+    }
 }

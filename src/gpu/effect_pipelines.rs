@@ -90,8 +90,14 @@ impl<K: EffectKey> EffectPipelines<K> {
         }
     }
 
-    /// Requests the pipelines for `key`. Returns the layouts of the passes' bind groups, in their order.
-    pub(crate) fn specialize(&mut self, cache: &PipelineCache, key: K) -> &[ResolvedLayout] {
+    /// Requests the pipelines for `key`, as far as the budget of `watch` admits. Returns the layouts of the passes' bind groups,
+    /// in their order.
+    pub(crate) fn specialize(
+        &mut self,
+        cache: &PipelineCache,
+        watch: &PipelineWatch,
+        key: K,
+    ) -> &[ResolvedLayout] {
         if self.layouts.is_empty() {
             let layout = |pass: &ComputePass| ResolvedLayout::new(cache, pass.layout(self.kind));
             self.layouts = self.passes.iter().map(layout).collect();
@@ -99,20 +105,24 @@ impl<K: EffectKey> EffectPipelines<K> {
         if !self.by_key.contains_key(&key) {
             let defs = key.shader_defs();
             let passes = 0..self.passes.len();
-            let pipelines = passes.map(|number| self.request(cache, number, &defs));
-            let pipelines = pipelines.collect();
-            self.by_key.insert(key, pipelines);
+            let pipelines = passes.map(|number| self.request(cache, watch, number, &defs));
+            // All are tried, so that those of the rest count as withheld.
+            let pipelines: Vec<_> = pipelines.collect();
+            if let Some(pipelines) = pipelines.into_iter().collect() {
+                self.by_key.insert(key, pipelines);
+            }
         }
         &self.layouts
     }
 
-    /// The pipeline of a pass for a key with these definitions.
+    /// The pipeline of a pass for a key with these definitions; `None` if it is withheld.
     fn request(
         &mut self,
         cache: &PipelineCache,
+        watch: &PipelineWatch,
         number: usize,
         defs: &[ShaderDefVal],
-    ) -> CachedComputePipelineId {
+    ) -> Option<CachedComputePipelineId> {
         let pass = &self.passes[number];
         let of_key = defs
             .iter()
@@ -120,16 +130,22 @@ impl<K: EffectKey> EffectPipelines<K> {
         let of_pass = pass.defs.iter().map(|name| ShaderDefVal::from(*name));
         let shader_defs: Vec<ShaderDefVal> = of_pass.chain(of_key.cloned()).collect();
         let key = (number, shader_defs.clone());
-        *self.by_defs.entry(key).or_insert_with(|| {
-            cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label: Some(pass.label.into()),
-                layout: vec![self.layouts[number].descriptor().clone()],
-                shader: self.shaders[number].clone(),
-                shader_defs,
-                entry_point: Some(pass.entry.into()),
-                ..default()
-            })
-        })
+        if let Some(pipeline) = self.by_defs.get(&key) {
+            return Some(*pipeline);
+        }
+        if !watch.budget.admits() {
+            return None;
+        }
+        let pipeline = cache.queue_compute_pipeline(ComputePipelineDescriptor {
+            label: Some(pass.label.into()),
+            layout: vec![self.layouts[number].descriptor().clone()],
+            shader: self.shaders[number].clone(),
+            shader_defs,
+            entry_point: Some(pass.entry.into()),
+            ..default()
+        });
+        self.by_defs.insert(key, pipeline);
+        Some(pipeline)
     }
 
     /// Layouts of the passes' bind groups, in their order; empty until a key is specialized.
@@ -153,10 +169,11 @@ impl<K: EffectKey> EffectPipelines<K> {
     pub(crate) fn compiled_key(
         &mut self,
         cache: &PipelineCache,
+        watch: &PipelineWatch,
         wanted: K,
         current: Option<K>,
     ) -> Option<K> {
-        self.specialize(cache, wanted);
+        self.specialize(cache, watch, wanted);
         let stand_ins = current.into_iter().chain(self.by_key.keys().copied());
         let stand_ins = stand_ins.filter(|key| key.stands_in_for(wanted));
         iter::once(wanted)

@@ -8,6 +8,7 @@
 //! - `named.rs`: structs of system parameters and queries.
 //! - `needed_limits.rs`: device limits that effects need.
 //! - `picture_bind_groups.rs`: bind groups of passes that read the main texture.
+//! - `pipeline_budget.rs`: limits the pipelines that are requested per frame.
 //! - `pipeline_watch.rs`: reports pipelines of this crate that fail to compile.
 //! - `recovery.rs`: removes from views the resources of a lost device.
 //! - `shader_defs.rs`: shader definitions by tables of conditions.
@@ -25,6 +26,7 @@ pub(crate) mod layout_limits;
 pub(crate) mod named;
 pub(crate) mod needed_limits;
 pub(crate) mod picture_bind_groups;
+pub(crate) mod pipeline_budget;
 pub(crate) mod pipeline_watch;
 pub(crate) mod recovery;
 pub(crate) mod shader_defs;

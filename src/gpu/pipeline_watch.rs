@@ -20,7 +20,7 @@ use bevy::{
     shader::{CachedPipelineId, ShaderCacheError, ShaderDefVal, ShaderImport},
 };
 
-use super::wgsl_dump::WgslDump;
+use super::{pipeline_budget::PipelineBudget, wgsl_dump::WgslDump};
 
 /// Prefix of the labels of this crate's pipelines.
 const PREFIX: &str = "lean_deferred/";
@@ -35,6 +35,17 @@ pub(crate) struct PipelineWatch {
     waiting: HashMap<CachedPipelineId, Instant>,
     failures: HashMap<CachedPipelineId, Failure>,
     compiles_in_background: bool,
+    /// Of the frame; limited while cameras are prewarmed.
+    pub(crate) budget: PipelineBudget,
+}
+
+/// Numbers of this crate's pipelines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PipelineCounts {
+    /// Compiled, or known to fail.
+    pub(crate) settled: usize,
+    /// Requested.
+    pub(crate) waiting: usize,
 }
 
 #[derive(Clone, PartialEq)]
@@ -60,6 +71,22 @@ impl PipelineWatch {
     /// its feature `multi_threaded`, and if told to; which of these holds, it does not tell.
     pub(crate) fn compiles_in_background(&self) -> bool {
         self.compiles_in_background
+    }
+
+    /// Counts the pipelines of this crate that were requested up to the last frame. Iterates over all pipelines.
+    pub(crate) fn count(&self, cache: &PipelineCache) -> PipelineCounts {
+        let mut counts = PipelineCounts::default();
+        for (id, pipeline) in cache.pipelines().enumerate() {
+            if own_label(pipeline).is_none() {
+                continue;
+            }
+            if is_settled(&pipeline.state) || self.failures.contains_key(&id) {
+                counts.settled += 1;
+            } else {
+                counts.waiting += 1;
+            }
+        }
+        counts
     }
 
     /// Records a failure. Many pipelines may fail for one cause, which is logged once, with the definitions of the first.

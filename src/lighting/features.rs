@@ -58,7 +58,7 @@ pub(crate) struct LightingKey {
 }
 
 /// Number of point and spot lights from which culling per tile is worth its cost. Figures: `docs/frame_times.md`.
-const MANY_LIGHTS: usize = 2048;
+pub(super) const MANY_LIGHTS: usize = 2048;
 
 bitflags! {
     /// Kinds of point and spot lights.
@@ -84,10 +84,10 @@ bitflags! {
 }
 
 /// The kinds of lights in the scene.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct SceneLights {
-    clustered: ClusteredLights,
-    shadow_maps: ShadowMaps,
+    pub(super) clustered: ClusteredLights,
+    pub(super) shadow_maps: ShadowMaps,
 }
 
 impl LightingKey {
@@ -188,16 +188,31 @@ impl SceneFeatures<'_, '_> {
         lights
     }
 
-    fn light_culling(&self, lights: SceneLights, settings: &LeanDeferred) -> LightCulling {
+    /// The culling of at least `count` lights of these kinds.
+    pub(super) fn light_culling(
+        &self,
+        kinds: ClusteredLights,
+        count: usize,
+        settings: &LeanDeferred,
+    ) -> LightCulling {
+        let count = || count.max(self.point_lights.iter().len());
         match settings.advanced.light_culling {
-            _ if lights.clustered.is_empty() => LightCulling::PerPixel,
-            LightCulling::Auto if self.point_lights.iter().len() >= MANY_LIGHTS => {
-                LightCulling::SharedMemory
-            }
+            _ if kinds.is_empty() => LightCulling::PerPixel,
+            LightCulling::Auto if count() >= MANY_LIGHTS => LightCulling::SharedMemory,
             LightCulling::Auto => LightCulling::PerPixel,
             LightCulling::Subgroup if !self.subgroups.exist() => LightCulling::SharedMemory,
             culling => culling,
         }
+    }
+
+    pub(super) fn decals_are_usable(&self) -> bool {
+        let pipeline = self.mesh_pipeline.as_ref();
+        pipeline.is_some_and(|pipeline| pipeline.clustered_decals_are_usable)
+    }
+
+    pub(super) fn binding_arrays_are_usable(&self) -> bool {
+        let pipeline = self.mesh_pipeline.as_ref();
+        pipeline.is_some_and(|pipeline| pipeline.binding_arrays_are_usable)
     }
 
     /// The key for a view with Bevy's `view_key` and this projection, in a scene with these `lights`.
@@ -210,10 +225,6 @@ impl SceneFeatures<'_, '_> {
         debug_view: Option<&LeanDebugView>,
         order: &ActiveLeanView,
     ) -> LightingKey {
-        let decals_usable = self
-            .mesh_pipeline
-            .as_ref()
-            .is_some_and(|pipeline| pipeline.clustered_decals_are_usable);
         let debug_view = debug_view
             .map(|view| view.shows)
             .filter(|view| view.is_of_lighting());
@@ -226,9 +237,9 @@ impl SceneFeatures<'_, '_> {
             clustered_lights: lights.clustered,
             shadow_maps: lights.shadow_maps,
             projection: projection_of(clip_from_view),
-            light_culling: self.light_culling(lights, settings),
+            light_culling: self.light_culling(lights.clustered, 0, settings),
             rect_lights: !self.rect_lights.is_empty(),
-            decals: decals_usable && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
+            decals: self.decals_are_usable() && self.decals.as_ref().is_some_and(|d| !d.is_empty()),
             debug_view,
             io: order.io,
             scatters: order.scatters(),

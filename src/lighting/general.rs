@@ -21,7 +21,10 @@ use super::{
     subsurface_light::{SUBSURFACE_LIGHT_FORMAT, SUBSURFACE_PICTURE_FORMAT},
     tile_list::filling_layout,
 };
-use crate::{gpu::layout_limits::excess, view::GBufferTargets};
+use crate::{
+    gpu::{layout_limits::excess, pipeline_watch::PipelineWatch},
+    view::GBufferTargets,
+};
 
 /// In the render world: the lighting pipelines that are compiled. Tests and benches measure one kind, and compile no other.
 #[doc(hidden)]
@@ -108,23 +111,35 @@ impl LightingPipelines {
         room.is_some_and(|general| general.covers(need))
     }
 
-    /// Queues general pipelines for a view with the key `need`, unless there are some, or the device has no room for them.
-    pub(crate) fn request_general(&mut self, pipeline_cache: &PipelineCache, need: LightingKey) {
+    /// Queues general pipelines for a view with the key `need`, as far as the budget of `watch` admits, unless they are queued or
+    /// the device has no room for them.
+    pub(crate) fn request_general(
+        &mut self,
+        pipeline_cache: &PipelineCache,
+        watch: &PipelineWatch,
+        need: LightingKey,
+    ) {
         let need = need.without_debug_view();
-        let is_known = self.general.iter().any(|general| general.covers(need));
-        let Some(room) = self.room.filter(|_| !is_known) else {
-            return;
+        let mut known = self.general.iter();
+        let general = match known.find(|general| general.covers(need)) {
+            Some(general) => *general,
+            None => {
+                let Some(room) = self.room else {
+                    return;
+                };
+                let general = room.with_settings_of(need);
+                if !general.covers(need) {
+                    return;
+                }
+                let device = &self.device;
+                self.placeholders
+                    .get_or_insert_with(|| Placeholders::new(device, room));
+                self.general.push(general);
+                general
+            }
         };
-        let general = room.with_settings_of(need);
-        if !general.covers(need) {
-            return;
-        }
-        let device = &self.device;
-        self.placeholders
-            .get_or_insert_with(|| Placeholders::new(device, room));
-        self.general.push(general);
         for key in general.dispatches() {
-            self.specialize(pipeline_cache, key);
+            self.request(pipeline_cache, watch, key);
         }
     }
 

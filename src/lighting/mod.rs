@@ -18,6 +18,7 @@
 // - `pipeline.rs`: pipelines.
 // - `coverage.rs`: views that pipelines light beside those that they fit.
 // - `general.rs`: general pipelines, which light a view until those compiled for it are there.
+// - `level.rs`: pipelines that fit a whole level, for cameras that are prewarmed.
 // - `placeholders.rs`: what the general pipelines bind in place of resources that a view does not have.
 // - `definitions.rs`: shader definitions of the crate's part of the shader, by the pipeline key.
 // - `implied.rs`: those that follow from others.
@@ -59,6 +60,7 @@ mod general;
 pub mod implied;
 mod inputs;
 mod layouts;
+mod level;
 mod light_layer_table;
 mod light_layers;
 #[doc(hidden)]
@@ -74,6 +76,7 @@ mod tile_list;
 pub use crate::view::LightingPasses;
 // For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
+pub(crate) use level::LevelLights;
 pub(crate) use pass::lighting_pass;
 pub(crate) use pipeline::LightingPipelines;
 pub(crate) use subsurface_light::{
@@ -100,8 +103,8 @@ use ::bevy::{
 };
 
 use crate::view::{
-    ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
-    memory, removal,
+    ActiveLeanView, DiffuseLight, EffectSystems, LeanDeferred, PrewarmExtraction, SharedPlugin,
+    ViewTextureSystems, memory, removal,
 };
 
 /// Lights the packed G-buffer.
@@ -149,9 +152,13 @@ impl Plugin for LightingPlugin {
             .init_gpu_resource::<BlockerSampler>()
             .init_resource::<light_layers::LightLayers>()
             .init_resource::<CompiledLighting>()
+            .init_resource::<LevelLights>()
             .add_systems(
                 ExtractSchedule,
-                light_layers::extract_light_layers.in_set(EffectSystems::Lean),
+                (
+                    light_layers::extract_light_layers.in_set(EffectSystems::Lean),
+                    level::extract_level_lights.in_set(PrewarmExtraction),
+                ),
             )
             .add_systems(
                 RenderStartup,

@@ -24,7 +24,9 @@ use super::{
     placeholders::Placeholders,
     tile_list::{filling_layout, reading_layout},
 };
-use crate::gpu::bind_group_cache::ResolvedLayout;
+use crate::gpu::{
+    bind_group_cache::ResolvedLayout, layout_limits::excess, pipeline_watch::PipelineWatch,
+};
 
 /// Lighting pipelines by key, created by `init_lighting_pipelines`.
 #[derive(Resource)]
@@ -36,6 +38,8 @@ pub(crate) struct LightingPipelines {
     pub(super) room: Option<LightingKey>,
     /// The keys of the general pipelines that were requested.
     pub(super) general: Vec<LightingKey>,
+    /// The keys of prewarmed levels.
+    pub(super) levels: Vec<LightingKey>,
     /// Created with the first of these.
     pub(super) placeholders: Option<Placeholders>,
     pub(super) device: RenderDevice,
@@ -58,6 +62,7 @@ pub(super) fn init_lighting_pipelines(
         by_key: HashMap::default(),
         room: room(&mesh_pipeline, &render_device, &render_adapter),
         general: Vec::new(),
+        levels: Vec::new(),
         placeholders: None,
         device: render_device.clone(),
         nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
@@ -70,6 +75,51 @@ pub(super) fn init_lighting_pipelines(
 }
 
 impl LightingPipelines {
+    /// Returns the pipeline for `key`, which may still be compiling; `None` if it is withheld by the budget of `watch`.
+    pub(crate) fn request(
+        &mut self,
+        pipeline_cache: &PipelineCache,
+        watch: &PipelineWatch,
+        key: LightingKey,
+    ) -> Option<CachedComputePipelineId> {
+        let is_requested = self.is_requested(key) || watch.budget.admits();
+        is_requested.then(|| self.specialize(pipeline_cache, key))
+    }
+
+    /// True if the pipeline for `key` was requested.
+    pub(crate) fn is_requested(&self, key: LightingKey) -> bool {
+        self.by_key.contains_key(&key)
+    }
+
+    /// True if the device has bindings for all dispatches of a view with `key`.
+    pub(crate) fn can_bind(&self, key: LightingKey) -> bool {
+        let limits = self.device.limits();
+        let lists = [filling_layout(), reading_layout()];
+        key.dispatches().all(|key| {
+            let groups = descriptors(&self.mesh_pipeline, key);
+            let list = if !key.shaded.is_empty() {
+                Some(&lists[1])
+            } else {
+                key.lists.then_some(&lists[0])
+            };
+            let layouts = groups.iter().chain(list);
+            excess(layouts.flat_map(|layout| &layout.entries), &limits) == 0
+        })
+    }
+
+    /// Records `key` as that of a prewarmed level: its pipelines light all views that they fit or that need less.
+    pub(crate) fn add_level(&mut self, key: LightingKey) {
+        if !self.levels.contains(&key) {
+            self.levels.push(key);
+        }
+    }
+
+    /// The keys of prewarmed levels whose pipelines light a view with the key `need`. They may still be compiling.
+    pub(crate) fn levels_for(&self, need: LightingKey) -> impl Iterator<Item = LightingKey> {
+        let levels = self.levels.iter().copied();
+        levels.filter(move |key| key.includes(need))
+    }
+
     /// Returns the pipeline for `key`, which may still be compiling.
     pub(crate) fn specialize(
         &mut self,

@@ -5,6 +5,7 @@
 //! | cameras | [`LeanDeferred`] | requests lean rendering, with its settings |
 //! | cameras | [`LeanStatus`] | for each effect, if the last frame had it, or why not |
 //! | cameras | [`LeanMemory`] | requests the bytes of GPU memory that each effect holds |
+//! | cameras | [`LeanPrewarm`] | requests that pipelines are compiled ahead of need, with its progress |
 //! | cameras | [`LeanDebugView`] | requests data of an effect in place of the picture |
 //! | cameras | [`CameraCut`] | the camera jumps in this frame |
 //! | views of the render world | [`ActiveLeanView`] | the view is lean in this frame, with the contents of its G-buffer |
@@ -20,6 +21,7 @@
 // - `effect_statuses.rs`: reports statuses to the main world, and logs reasons.
 // - `support.rs`: `LeanSupport`, the effects that the device can run.
 // - `memory.rs`: `LeanMemory`, the GPU memory of each effect.
+// - `prewarm/`: `LeanPrewarm`, which compiles pipelines during a loading screen.
 // - `debug_view.rs`: `LeanDebugView`, which shows data of an effect in place of the picture.
 // - `debug_draw.rs`: draws debug views over the picture.
 // - `active.rs`: `ActiveLeanView`, the state of a view in this frame.
@@ -51,6 +53,7 @@ pub(crate) mod memory;
 mod out_of_memory;
 pub(crate) mod overrides;
 pub(crate) mod pass_order;
+pub(crate) mod prewarm;
 mod quality;
 pub(crate) mod removal;
 mod schedule;
@@ -76,6 +79,8 @@ pub use lighting_io::{
 pub use memory::LeanMemory;
 #[doc(hidden)]
 pub use out_of_memory::OutOfMemory;
+pub use prewarm::{LeanPrewarm, PrewarmFeatures, PrewarmProgress};
+pub(crate) use prewarm::{PrewarmExtraction, PrewarmedCamera, PrewarmedView, Prewarming};
 pub(crate) use quality::parse_level;
 pub use quality::{LeanQuality, LeanResolution, ParseLevelError};
 #[doc(hidden)]
@@ -162,6 +167,7 @@ impl Plugin for SharedPlugin {
             )
             .add_observer(overrides::override_new_camera)
             .add_observer(overrides::keep_ticks_young);
+        prewarm::add_to(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -21,6 +21,7 @@ mod out_of_memory;
 mod panel;
 mod plugins;
 mod presets;
+mod prewarm;
 mod shared_targets;
 mod statuses;
 mod steady_state;

@@ -4,6 +4,7 @@
 
 mod covering;
 mod factors;
+mod key_table;
 
 use std::{
     collections::{HashMap, HashSet},

@@ -91,7 +91,7 @@ pub(super) fn request_lighting(
     mut commands: Commands,
     support: Res<LeanSupport>,
     pipelines: Option<ResMut<OcclusionPipelines>>,
-    pipeline_cache: Res<PipelineCache>,
+    (pipeline_cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     views: Query<(
         Entity,
         &ExtractedView,
@@ -114,8 +114,9 @@ pub(super) fn request_lighting(
             Some(wanted) => {
                 let projection = projection_of(view.clip_from_view);
                 let key = GatherKey::new(settings, true, computes, projection);
-                let gather = pipelines.gather(&pipeline_cache, key);
-                if current.is_none() || gather.is_compiled(&pipeline_cache) {
+                let gather = pipelines.gather(&pipeline_cache, &watch, key);
+                let is_compiled = gather.is_some_and(|gather| gather.is_compiled(&pipeline_cache));
+                if current.is_none() || is_compiled {
                     commands.entity(entity).insert(wanted);
                 }
             }
@@ -172,7 +173,7 @@ pub(super) fn decide_active_occlusion(
         let key_of = |settings: &LeanScreenSpaceAmbientOcclusion| {
             GatherKey::new(settings, is_for_lighting, computes, projection)
         };
-        let asked = pipelines.gather(&pipeline_cache, key_of(&settings));
+        let asked = pipelines.gather(&pipeline_cache, &watch, key_of(&settings));
         // While that compiles, lighting applies occlusion by former settings, or none.
         let lit = io.filter(|io| is_for_lighting && io.contains(LightingIo::AMBIENT_OCCLUSION));
         if let Some(io) = lit {
@@ -181,13 +182,18 @@ pub(super) fn decide_active_occlusion(
         let key = key_of(&settings);
         // Lighting is asked for settings that are gathered, so those of former ones are compiled, or others stand in.
         let gather = pipelines.asked_gather(key);
-        let merge = (!is_for_lighting).then(|| {
+        let mut is_withheld = false;
+        let merge = if is_for_lighting {
+            None
+        } else {
             let key = MergeKey {
                 target: view.target_format,
                 filter: settings.lighting_io() & LightingIo::OCCLUSION_FILTER,
             };
-            (key, pipelines.merge(&pipeline_cache, key))
-        });
+            let merge = pipelines.merge(&pipeline_cache, &watch, key);
+            is_withheld = merge.is_none();
+            merge.map(|merge| (key, merge))
+        };
         let wanted = ActiveOcclusion {
             settings,
             key,
@@ -195,7 +201,9 @@ pub(super) fn decide_active_occlusion(
             merge,
         };
         let last = current.as_deref().copied();
-        let active = if is_for_lighting && lit.is_none() {
+        let active = if is_withheld {
+            None
+        } else if is_for_lighting && lit.is_none() {
             // Goes on to blend what it blended before.
             last.filter(|last| last.merge.is_some() && last.key.projection.covers(projection))
         } else {
@@ -211,7 +219,7 @@ pub(super) fn decide_active_occlusion(
         };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        let ids = iter::once(asked).chain(gather).map(GatherPipeline::id);
+        let ids = asked.into_iter().chain(gather).map(GatherPipeline::id);
         status.set_running(runs, watch.failure(ids.chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,

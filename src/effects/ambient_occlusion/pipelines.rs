@@ -29,7 +29,9 @@ use super::{
     support::FORMAT,
     uniforms::OcclusionUniform,
 };
-use crate::gpu::{bind_group_cache::ResolvedLayout, bindings::layout};
+use crate::gpu::{
+    bind_group_cache::ResolvedLayout, bindings::layout, pipeline_watch::PipelineWatch,
+};
 
 /// `dst · (1 - occlusion)`; alpha is unchanged.
 const MULTIPLICATIVE: BlendState = BlendState {
@@ -168,14 +170,18 @@ impl OcclusionPipelines {
         Some(*pipeline)
     }
 
-    /// Pipeline of the gather; it may still be compiling.
+    /// Pipeline of the gather; it may still be compiling. `None` if it is withheld.
     pub(super) fn gather(
         &mut self,
         pipeline_cache: &PipelineCache,
+        watch: &PipelineWatch,
         key: GatherKey,
-    ) -> GatherPipeline {
+    ) -> Option<GatherPipeline> {
         if let Some(pipeline) = self.asked_gather(key) {
-            return pipeline;
+            return Some(pipeline);
+        }
+        if !watch.budget.admits() {
+            return None;
         }
         let label = Some("lean_deferred/effects/ambient_occlusion/gather".into());
         let found = ResolvedLayout::new(pipeline_cache, gather_layout(key));
@@ -210,17 +216,21 @@ impl OcclusionPipelines {
             )
         };
         self.gathers.insert(key, (pipeline, found));
-        pipeline
+        Some(pipeline)
     }
 
-    /// Pipeline that blends the occlusion into the image; it may still be compiling.
+    /// Pipeline that blends the occlusion into the image; it may still be compiling. `None` if it is withheld.
     pub(super) fn merge(
         &mut self,
         pipeline_cache: &PipelineCache,
+        watch: &PipelineWatch,
         key: MergeKey,
-    ) -> CachedRenderPipelineId {
+    ) -> Option<CachedRenderPipelineId> {
         if let Some(pipeline) = self.merges.get(&key) {
-            return *pipeline;
+            return Some(*pipeline);
+        }
+        if !watch.budget.admits() {
+            return None;
         }
         let pipeline = pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("lean_deferred/effects/ambient_occlusion/merge".into()),
@@ -239,6 +249,6 @@ impl OcclusionPipelines {
             ..default()
         });
         self.merges.insert(key, pipeline);
-        pipeline
+        Some(pipeline)
     }
 }

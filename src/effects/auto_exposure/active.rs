@@ -93,7 +93,7 @@ pub(super) fn decide_active_exposure(
         let subgroups = uses_subgroups(*subgroups, settings);
         let wanted = ExposureKey::new(settings, subgroups, mask.is_some());
         let last = current.as_ref().map(|active| active.key);
-        let key = pipelines.compiled_key(&pipeline_cache, wanted, last);
+        let key = pipelines.compiled_key(&pipeline_cache, &watch, wanted, last);
         if !status.is_off_for(reason_not_applied(tonemapping)) {
             status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
         }

@@ -57,7 +57,8 @@ pub(super) fn decide_active_gi(
             projection: projection_of(view.clip_from_view),
         };
         let key = can_run.then(|| {
-            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            let last = current.map(|active| active.key);
+            let key = pipelines.compiled_key(&cache, &watch, wanted, last);
             status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
             key
         });

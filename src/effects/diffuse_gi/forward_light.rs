@@ -26,10 +26,11 @@ use crate::{
     gpu::{
         effect_pipelines::{ComputePass, EffectKey, EffectPipelines},
         picture_bind_groups::PictureBindGroups,
+        pipeline_watch::PipelineWatch,
         timed::timed_dispatches,
     },
     shader_library::tiles,
-    view::{ActiveLeanView, DiffuseLight, LightingIo},
+    view::{ActiveLeanView, DiffuseLight, LightingIo, Prewarming},
 };
 
 const LABEL: &str = "lean_deferred/effects/diffuse_gi/forward_light";
@@ -75,7 +76,7 @@ impl ForwardLight {
 pub(super) fn prepare_forward_light(
     mut commands: Commands,
     device: Res<RenderDevice>,
-    cache: Res<PipelineCache>,
+    (cache, watch, prewarming): (Res<PipelineCache>, Res<PipelineWatch>, Res<Prewarming>),
     pipeline: Option<ResMut<ForwardLightPipeline>>,
     uniforms: Res<GiUniforms>,
     mut views: Query<
@@ -92,6 +93,10 @@ pub(super) fn prepare_forward_light(
     let (Some(mut pipeline), Some(uniforms)) = (pipeline, uniforms.binding()) else {
         return;
     };
+    // The view may get a prepass later.
+    if prewarming.is_active() && !views.is_empty() {
+        pipeline.specialize(&cache, &watch, ForwardLightKey);
+    }
     for (entity, asked, (gbuffer, depth), (target, light), held) in &mut views {
         let (true, Some(light)) = (asked == (true, true), light) else {
             if held.is_some() {
@@ -104,7 +109,7 @@ pub(super) fn prepare_forward_light(
             Some(held) => held.into_inner(),
             None => made.insert(ForwardLight::default()),
         };
-        for layout in pipeline.specialize(&cache, ForwardLightKey) {
+        for layout in pipeline.specialize(&cache, &watch, ForwardLightKey) {
             held.0.bind(&device, layout, target, |binding, picture| {
                 Some(match binding {
                     VIEW => uniforms.clone(),

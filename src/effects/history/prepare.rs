@@ -31,8 +31,8 @@ use crate::{
     },
     gpu::{
         bind_group_cache::CachedBindGroup, growing_size::GrowingSize,
-        picture_bind_groups::PictureBindGroups, storage_texture::StorageTexture,
-        texture_bytes::texture_bytes,
+        picture_bind_groups::PictureBindGroups, pipeline_watch::PipelineWatch,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
     view::{CameraCuts, OutOfMemory},
 };
@@ -255,7 +255,7 @@ pub(in crate::effects) fn prepare_histories(
 /// Updates the bind groups of all views with a history.
 pub(in crate::effects) fn prepare_history_bind_groups(
     device: Res<RenderDevice>,
-    cache: Res<PipelineCache>,
+    (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     pipelines: Option<ResMut<HistoryPipelines>>,
     uniforms: Res<HistoryUniforms>,
     mut views: Query<(&mut ViewHistory, &ViewTarget, &ViewDepthTexture)>,
@@ -272,7 +272,7 @@ pub(in crate::effects) fn prepare_history_bind_groups(
         let shown_exposure = &history.shown_exposure;
         let output = history.next.as_ref().unwrap_or(&history.kept);
         let (first, rest) = output.levels.split_at(LEVELS[0] as usize);
-        let [of_picture, of_level] = pipelines.specialize(&cache, HistoryKey) else {
+        let [of_picture, of_level] = pipelines.specialize(&cache, &watch, HistoryKey) else {
             continue;
         };
         (history.pictures).bind(&device, of_picture, target, |binding, picture| {

@@ -75,7 +75,8 @@ pub(super) fn decide_active_reflections(
         };
         let shows_hits = debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit);
         let key = can_run.then(|| {
-            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            let last = current.map(|active| active.key);
+            let key = pipelines.compiled_key(&cache, &watch, wanted, last);
             status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
             key
         });

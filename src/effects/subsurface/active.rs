@@ -11,7 +11,9 @@ use super::{
 use crate::{
     gbuffer::ViewDemands,
     gpu::pipeline_watch::PipelineWatch,
-    view::{Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport, ScattersLight},
+    view::{
+        Effect, EffectStatuses, LeanDeferred, LeanOffReason, LeanSupport, Prewarming, ScattersLight,
+    },
 };
 
 /// On a view of the render world: a surface in it scatters light, the pipelines are compiled, and lighting writes the light that
@@ -30,6 +32,7 @@ pub(super) fn decide_active_scattering(
     (cache, watch): (Res<PipelineCache>, Res<PipelineWatch>),
     // Missing without `LeanDeferredPlugin`.
     demands: Option<Res<ViewDemands>>,
+    mut prewarming: ResMut<Prewarming>,
     (support, mut statuses): (Res<LeanSupport>, ResMut<EffectStatuses>),
     views: Query<
         (
@@ -53,13 +56,17 @@ pub(super) fn decide_active_scattering(
         let scatters =
             (demands.as_ref()).is_some_and(|demands| demands.scatter(view.retained_view_entity));
         let camera = view.retained_view_entity.main_entity;
+        if support.subsurface.is_ok() && prewarming.scatters(camera) {
+            pipelines.specialize(&cache, &watch, SubsurfaceKey::new(settings.quality));
+        }
         let mut status = statuses.of(camera, Effect::Subsurface);
         let can_run = !status.is_off_without(lean)
             && !status.is_off_for((!scatters).then_some(LeanOffReason::NothingScatters))
             && !status.is_off_by_device(&support.subsurface);
         let wanted = SubsurfaceKey::new(settings.quality);
         let key = can_run.then(|| {
-            let key = pipelines.compiled_key(&cache, wanted, current.map(|active| active.key));
+            let last = current.map(|active| active.key);
+            let key = pipelines.compiled_key(&cache, &watch, wanted, last);
             status.set_running(key.is_some(), pipelines.failure(&watch, wanted));
             key
         });
