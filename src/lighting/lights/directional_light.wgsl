@@ -80,12 +80,39 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-/// Visibility of each directional light in its shadow map, by the light's index.
+/// Visibility of directional lights in their shadow maps.
 struct DirectionalShadows {
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    /// By the light's index.
     visibility: array<f32, #{MAX_DIRECTIONAL_LIGHTS}>,
+#else
+    /// Of the one light that has a shadow map: an array that is indexed at run time takes a register for each of its elements, or
+    /// scratch memory.
+    visibility: f32,
+#endif
 }
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
+fn set_visibility(shadows: ptr<function, DirectionalShadows>, id: u32, visibility: f32) {
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    (*shadows).visibility[id] = visibility;
+#else
+    (*shadows).visibility = visibility;
+#endif
+}
+
+/// Visibility of the light with this index, 1 without a shadow map.
+fn visibility_of(shadows: ptr<function, DirectionalShadows>, id: u32) -> f32 {
+    if !has_shadow_map(id) {
+        return 1.0;
+    }
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    return (*shadows).visibility[id];
+#else
+    return (*shadows).visibility;
+#endif
+}
+
 /// Must be called before other terms of the surface are computed: sampling takes many registers, so that little else should be
 /// live. Shadow maps of lights that cannot reach the surface are not sampled.
 fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
@@ -100,10 +127,10 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
 #endif
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
-        (*shadows).visibility[id] = 1.0;
         if !has_shadow_map(id) {
             continue;
         }
+        set_visibility(shadows, id, 1.0);
 #ifdef LIGHT_LAYERS
         if !directional_light_affects_mesh(id) {
             continue;
@@ -125,7 +152,7 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
             normal = shadow_normal(pixel.position, pixel.depth, N);
             knows_normal = true;
         }
-        (*shadows).visibility[id] = directional_shadow(id, position, normal, in_view.z, pixel.position);
+        set_visibility(shadows, id, directional_shadow(id, position, normal, in_view.z, pixel.position));
     }
 }
 
@@ -188,7 +215,7 @@ fn add_directional_light(
 #ifdef SHADOWS
     if (*point).receives_shadows {
 #ifdef DIRECTIONAL_SHADOW_MAPS
-        shadow = (*shadows).visibility[id];
+        shadow = visibility_of(shadows, id);
 #endif
 #ifdef CONTACT_SHADOWS
         let has_contact_shadows = (view_bindings::lights.directional_lights[id].flags
