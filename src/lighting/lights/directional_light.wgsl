@@ -35,7 +35,7 @@
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
-#import bevy_lean_deferred::lighting::lights::shading_point::{geometric_normal, transmits}
+#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, geometric_normal, transmits}
 #endif
 
 /// Colour of the light at `position`, after its texture and the atmosphere.
@@ -249,10 +249,10 @@ fn add_transmitted_directional_light(
 #ifdef DIRECTIONAL_SHADOW_MAPS
     if (*point).back_receives_shadows && has_shadow_map(id) {
         let normal = -geometric_normal(point);
-        shadow = directional_shadow(id, (*point).back_position, normal, (*point).view_z, (*point).pixel);
+        shadow = directional_shadow(id, back_position(point), normal, (*point).view_z, (*point).pixel);
     }
 #endif
-    let color = color_at(id, (*point).back_position);
-    (*accumulator).transmitted += response_from_behind(point, L) * shadow * color;
+    let color = color_at(id, back_position(point));
+    (*accumulator).of_model += response_from_behind(point, L) * shadow * color;
 }
 #endif

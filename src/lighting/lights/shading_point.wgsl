@@ -57,7 +57,7 @@ struct ShadingPoint {
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
     knows_geometric_normal: bool,
-    /// Valid if `knows_geometric_normal`.
+    /// Valid if `knows_geometric_normal`, and where light is transmitted.
     geometric_normal: vec3<f32>,
 #endif
 #ifdef LIGHTMAPPED_SURFACES
@@ -73,14 +73,16 @@ struct ShadingPoint {
     is_anisotropic: bool,
     anisotropy: f32,
     tangent: vec3<f32>,
+#ifdef CLUSTERED_DECALS_ARE_USABLE
     bitangent: vec3<f32>,
+#endif
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     transmits: bool,
     /// A colour as above. 0 where no light is transmitted.
     transmitted_color: vec3<f32>,
-    /// Point where light from behind enters.
-    back_position: vec3<f32>,
+    /// In metres.
+    thickness: f32,
     back_receives_shadows: bool,
 #endif
 }
@@ -138,14 +140,19 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.is_anisotropic = model == specialization::ANISOTROPY;
     point.anisotropy = pbr.anisotropy_strength;
     point.tangent = pbr.anisotropy_T;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
     point.bitangent = pbr.anisotropy_B;
+#endif
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     point.transmits = any(point.transmitted_color != vec3(0.0));
-    point.back_position = point.position;
+    point.thickness = material.thickness;
+#ifdef GEOMETRIC_NORMAL
     if transmits(&point) {
-        point.back_position -= geometric_normal(&point) * material.thickness;
+        let normal = geometric_normal(&point);
+        point.geometric_normal = normal;
     }
+#endif
     point.back_receives_shadows = point.receives_shadows
         && (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
 #endif
@@ -174,6 +181,26 @@ fn set_colors(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 fn transmits(point: ptr<function, ShadingPoint>) -> bool {
     return (*point).transmits;
+}
+
+/// Point where light from behind enters a surface that transmits light.
+fn back_position(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+#ifdef GEOMETRIC_NORMAL
+    return (*point).position - (*point).geometric_normal * (*point).thickness;
+#else
+    return (*point).position - (*point).N * (*point).thickness;
+#endif
+}
+#endif
+
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+/// As `anisotropy::specialize` sets it, so that no registers keep it. Decals turn the normal only.
+fn bitangent_at(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    return (*point).bitangent;
+#else
+    return cross((*point).N, (*point).tangent);
+#endif
 }
 #endif
 
