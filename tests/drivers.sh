@@ -16,6 +16,7 @@
 set -eu
 [ -n "${BINARIES:-}" ] || . "$(dirname "$0")/environment.sh"
 cd "$(dirname "$0")/.."
+. tests/fetch.sh
 export RUST_LIB_BACKTRACE=0
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/drivers"
 logs="$cache/logs"
@@ -34,30 +35,6 @@ while [ $# -gt 0 ]; do
     esac
 done
 [ -n "$drivers" ] || drivers=$all
-
-# Packages of a suite into a folder of the cache: fetch FOLDER SUITE PACKAGE…
-fetch() {
-    folder="$cache/$1" suite=$2
-    shift 2
-    [ -e "$folder/complete" ] && return
-    command -v apt-get >/dev/null || return 1
-    site=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' | head -n 1)
-    security=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm-security' | head -n 1)
-    [ -n "$site" ] || return 1
-    rm -rf "$folder"
-    mkdir -p "$folder/lists/partial" "$folder/archives/partial"
-    printf 'deb %s %s main\n' "$site" bookworm "$site" bookworm-backports >"$folder/sources.list"
-    [ -z "$security" ] || echo "deb $security bookworm-security main" >>"$folder/sources.list"
-    set -- "-oDir::Etc::SourceList=$folder/sources.list" -oDir::Etc::SourceParts=/dev/null "-oDir::State::Lists=$folder/lists" \
-        "-oDir::Cache=$folder" -oAPT::Sandbox::User=root "$@"
-    options=$(printf '%s\n' "$@" | grep '^-o')
-    packages=$(printf '%s\n' "$@" | grep -v '^-o')
-    # shellcheck disable=SC2086 # lists of options and packages
-    (cd "$folder" && apt-get $options -qq update && apt-get $options -qq download -t "$suite" $packages) || return 1
-    for package in "$folder"/*.deb; do dpkg -x "$package" "$folder"; done
-    rm -rf "$folder"/*.deb "$folder/lists" "$folder"/*.bin
-    touch "$folder/complete"
-}
 
 # Makes the loader use the driver that this file of its folder describes, and rewrites that file with the library's whole path.
 use() { # folder, description, library

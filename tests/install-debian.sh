@@ -20,6 +20,8 @@ need libxkbcommon-x11-0 "ldconfig -p | grep -q libxkbcommon-x11.so"
 need libvulkan1 "ldconfig -p | grep -q libvulkan.so.1"
 need vulkan-validationlayers "ls /usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json"
 need mesa-vulkan-drivers "ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json \${VK_DRIVER_FILES:-} | grep -q ."
+# For meson, which builds what figures of other GPUs need.
+[ -z "${LEAN_TEST_NIGHTLY:-}" ] || need python3-venv "python3 -c 'import ensurepip, venv'"
 [ -n "$missing" ] || exit 0
 
 root=""

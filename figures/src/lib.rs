@@ -6,9 +6,11 @@
 //! - [`docs`]: tables and plots of README and docs, updated or checked.
 //! - [`page`]: one HTML file of all figures.
 //! - [`report`]: runs all benches for such a page.
+//! - [`isa`]: compiles shaders for GPUs that are not there.
 
 pub mod benches;
 pub mod docs;
+pub mod isa;
 pub mod json;
 pub mod numbers;
 pub mod page;

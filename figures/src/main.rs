@@ -7,10 +7,13 @@ use std::{
 
 use argh::FromArgs;
 use bevy_lean_deferred_figures::{
-    docs::Docs,
+    benches::Figures,
+    docs::{Docs, FOLDER},
+    isa::{self, Recording},
+    json::read_json,
     page,
     report::{Mode, Report, root},
-    store::benches_in,
+    store::{Bundle, benches_in},
 };
 
 /// Figures of the benches, as tables, plots, pages and in the docs.
@@ -26,7 +29,9 @@ enum Command {
     Run(RunArgs),
     Page(PageArgs),
     Tables(TablesArgs),
+    Add(AddArgs),
     Docs(DocsArgs),
+    Isa(IsaArgs),
 }
 
 /// Runs all benches, and makes a page of their figures.
@@ -36,6 +41,10 @@ struct RunArgs {
     /// small scenes and few frames, for software renderers (the default)
     #[argh(switch)]
     quick: bool,
+
+    /// five minutes on a GPU, once built; the figures are in one file, figures.json
+    #[argh(switch)]
+    gpu: bool,
 
     /// the scenes of the figures in the docs; needs a GPU
     #[argh(switch)]
@@ -80,6 +89,19 @@ struct TablesArgs {
     from: PathBuf,
 }
 
+/// Adds the figures of another machine to docs/figures.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "add")]
+struct AddArgs {
+    /// figures.json, as `run` wrote it
+    #[argh(positional)]
+    file: PathBuf,
+
+    /// name of the machine: the folder in docs/figures
+    #[argh(positional)]
+    machine: String,
+}
+
 /// Updates README and docs from docs/figures.
 #[derive(FromArgs)]
 #[argh(subcommand, name = "docs")]
@@ -89,13 +111,41 @@ struct DocsArgs {
     check: bool,
 }
 
+/// Compiles the benches' shaders for GPUs that are not there, by Mesa's compilers (`benches/isa/`), and updates
+/// docs/figures/mesa25/isa.json.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "isa")]
+struct IsaArgs {
+    /// change nothing, and fail if a shader has fewer waves, more spills or more scratch memory than recorded
+    #[argh(switch)]
+    check: bool,
+
+    /// folder of programs that were built before, with the names of the benches, `showcase` and `pictures`
+    #[argh(option)]
+    programs: Option<PathBuf>,
+
+    /// run no app, and compile what an earlier run has left in the output folder
+    #[argh(switch)]
+    reuse: bool,
+
+    /// only runs with one of these words in their names, comma-separated; prints the tables and updates nothing
+    #[argh(option, default = "String::new()")]
+    only: String,
+
+    /// folder of pipelines, statistics and logs, default report/isa
+    #[argh(option, default = "PathBuf::from(\"report/isa\")")]
+    out: PathBuf,
+}
+
 fn main() -> ExitCode {
     let args: Args = argh::from_env();
     let done = match args.command {
         Command::Run(args) => run(args),
         Command::Page(args) => make_page(&args),
         Command::Tables(args) => tables(&args.from),
+        Command::Add(args) => add(&args),
         Command::Docs(args) => docs(args.check),
+        Command::Isa(args) => compile(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -107,21 +157,27 @@ fn main() -> ExitCode {
 }
 
 fn run(args: RunArgs) -> Result<(), String> {
-    if args.quick && args.full {
-        return Err("--quick or --full, not both".into());
-    }
+    let mode = match (args.quick, args.gpu, args.full) {
+        (_, false, false) => Mode::Quick,
+        (false, true, false) => Mode::Gpu,
+        (false, false, true) => Mode::Full,
+        _ => return Err("--quick, --gpu or --full: one of them".into()),
+    };
     let absolute =
         |path: &str| std::path::absolute(path).map_err(|error| format!("{path}: {error}"));
     let gltf = args.gltf.as_deref().map(absolute).transpose()?;
     let words = args.only.split(',').filter(|word| !word.is_empty());
     let report = Report {
-        mode: if args.full { Mode::Full } else { Mode::Quick },
+        mode,
         gltf: gltf.map(|path| path.to_string_lossy().into_owned()),
         only: words.map(Into::into).collect(),
         folder: absolute(&args.out)?,
     };
     let (path, failed) = report.make()?;
     println!("{}", path.display());
+    if mode == Mode::Gpu {
+        println!("{}", report.folder.join("figures.json").display());
+    }
     if failed.is_empty() {
         return Ok(());
     }
@@ -151,6 +207,11 @@ fn tables(folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
+fn add(args: &AddArgs) -> Result<(), String> {
+    let bundle: Bundle = read_json(&args.file)?;
+    bundle.unpack(&root().join(FOLDER).join(&args.machine))
+}
+
 fn docs(check: bool) -> Result<(), String> {
     let docs = Docs::new(&root())?;
     let differences = docs.differences();
@@ -171,4 +232,24 @@ fn docs(check: bool) -> Result<(), String> {
             wrong.len()
         )),
     }
+}
+
+fn compile(args: IsaArgs) -> Result<(), String> {
+    let folder = std::path::absolute(&args.out);
+    let words = args.only.split(',').filter(|word| !word.is_empty());
+    let recording = Recording {
+        folder: folder.map_err(|error| format!("{}: {error}", args.out.display()))?,
+        programs: args.programs,
+        only: words.map(Into::into).collect(),
+        reuse: args.reuse,
+    };
+    let shaders = recording.make()?;
+    if args.check {
+        return isa::check(&shaders);
+    }
+    println!("{}", shaders.markdown());
+    if recording.only.is_empty() {
+        isa::write(&shaders);
+    }
+    Ok(())
 }

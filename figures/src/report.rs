@@ -1,22 +1,27 @@
-//! Runs all benches, one after the other, and estimates how long that takes.
+//! Runs the benches, one after the other, and estimates how long that takes.
 
 mod plan;
+mod programs;
 mod progress;
 
 use std::{
-    collections::HashMap,
     fs::{self, File},
     io::{BufRead, BufReader, Write},
     path::{Path, PathBuf},
-    process::{Command, Stdio},
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
 };
 
 pub use plan::Mode;
 use plan::Step;
+pub use programs::Programs;
 use progress::Progress;
-use serde_json::Value;
 
-use crate::{json::write_json, page::page, store::Run};
+use crate::{
+    json::write_json,
+    page::page,
+    store::{Bundle, Run},
+};
 
 /// The benches to run, and the folders of their results.
 pub struct Report {
@@ -41,7 +46,10 @@ impl Report {
         for folder in [&figures, &pictures, &logs] {
             fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         }
-        let programs = self.build(&steps)?;
+        // Before any of them is timed.
+        let targets: Vec<_> = steps.iter().map(|step| ("bench", step.bench)).collect();
+        let command = [&["bench", "--no-run"], self.mode.profile()].concat();
+        let programs = Programs::build(&command, &targets)?;
         let run = Run {
             date: output("date", &["-u", "+%Y-%m-%d"]),
             commit: output("git", &["describe", "--always", "--dirty"]),
@@ -50,61 +58,42 @@ impl Report {
         };
         write_json(&text(&figures.join(Run::FILE)), &run);
         let mut progress = Progress::new(&steps);
+        let deadline = self.mode.limit().map(|limit| Instant::now() + limit);
         let mut failed = Vec::new();
         for step in &steps {
+            if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                eprintln!("{}: left out, the time is up", step.bench);
+                continue;
+            }
             progress.begin(step);
             let pictures = pictures.join(step.bench);
             fs::create_dir_all(&pictures)
                 .map_err(|error| format!("{}: {error}", pictures.display()))?;
-            let program = programs.get(step.bench);
-            let program = program.ok_or(format!("cargo has not built {}", step.bench))?;
-            let ran = run_bench(step, program, [&figures, &pictures, &logs], &mut progress)?;
+            let program = programs.path(step.bench)?;
+            let folders = [&*figures, &pictures, &logs];
+            let ran = run_bench(step, program, folders, &mut progress, deadline)?;
             progress.end(step);
             if !ran {
                 failed.push(step.bench);
             }
         }
         progress.finish();
+        let bundle = self.folder.join("figures.json");
+        write_json(&text(&bundle), &Bundle::of(&figures)?);
         let path = self.folder.join("index.html");
         let html = page(&figures, Some(&pictures))?;
         fs::write(&path, html).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok((path, failed))
     }
-
-    /// Builds the benches before any of them is timed, with cargo's progress. Returns the programs by the names of
-    /// their benches.
-    fn build(&self, steps: &[Step]) -> Result<HashMap<String, PathBuf>, String> {
-        let mut cargo = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
-        cargo.current_dir(root());
-        cargo.args(["bench", "--package", "bevy_lean_deferred", "--no-run"]);
-        cargo.args(self.mode.profile());
-        cargo.arg("--message-format=json-render-diagnostics");
-        for step in steps {
-            cargo.args(["--bench", step.bench]);
-        }
-        let output = cargo.stderr(Stdio::inherit()).output();
-        let output = output.map_err(|error| format!("cargo: {error}"))?;
-        if !output.status.success() {
-            return Err("the benches do not build".into());
-        }
-        let messages = String::from_utf8_lossy(&output.stdout);
-        let messages = messages
-            .lines()
-            .filter_map(|line| serde_json::from_str(line).ok());
-        let programs = messages.filter_map(|message: Value| {
-            let name = message.pointer("/target/name")?.as_str()?.to_owned();
-            Some((name, message.get("executable")?.as_str()?.into()))
-        });
-        Ok(programs.collect())
-    }
 }
 
-/// Runs a bench with its output in a log. Returns true if it succeeded.
+/// Runs a bench with its output in a log, until the deadline. Returns true if it succeeded.
 fn run_bench(
     step: &Step,
     program: &Path,
     [figures, pictures, logs]: [&Path; 3],
     progress: &mut Progress,
+    deadline: Option<Instant>,
 ) -> Result<bool, String> {
     let log = |suffix: &str| {
         let path = logs.join(format!("{}.{suffix}", step.bench));
@@ -128,14 +117,37 @@ fn run_bench(
         .map_err(|error| format!("{}: {error}", program.display()))?;
     let mut log = log("log")?;
     let lines = BufReader::new(child.stderr.take().expect("it is piped")).split(b'\n');
-    for line in lines.map_while(Result::ok) {
-        let line = String::from_utf8_lossy(&line);
-        let _ = writeln!(log, "{line}");
-        progress.line(step, &line);
+    let ended = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for line in lines.map_while(Result::ok) {
+                let line = String::from_utf8_lossy(&line);
+                let _ = writeln!(log, "{line}");
+                progress.line(step, &line);
+            }
+        });
+        wait(&mut child, deadline)
+    });
+    let ended = ended.map_err(|error| format!("{}: {error}", step.bench))?;
+    if ended.is_none() {
+        eprintln!("{}: cut short, the time is up", step.bench);
     }
-    let status = child.wait();
-    let status = status.map_err(|error| format!("{}: {error}", step.bench))?;
-    Ok(status.success())
+    Ok(ended.unwrap_or(true))
+}
+
+/// Waits for a program, and ends it at the deadline: benches write their figures after each contender. Returns true if it succeeded,
+/// `None` if the deadline ended it.
+fn wait(child: &mut Child, deadline: Option<Instant>) -> std::io::Result<Option<bool>> {
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status.success()));
+        }
+        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            child.kill()?;
+            child.wait()?;
+            return Ok(None);
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }
 
 /// Root of the repository.

@@ -3,8 +3,12 @@
 use std::{collections::BTreeMap, path::Path};
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use crate::{benches::Bench, json::read_json};
+use crate::{
+    benches::Bench,
+    json::{read_json, write_json},
+};
 
 /// The figures of some machines, each in a folder with the machine's name.
 #[derive(Default)]
@@ -56,6 +60,41 @@ impl Run {
     }
 
     pub const FILE: &str = "run.json";
+}
+
+/// A folder of figures as one file, to be sent.
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Bundle {
+    /// Files by their names.
+    files: BTreeMap<String, Value>,
+}
+
+impl Bundle {
+    /// The JSON files of `folder`.
+    pub fn of(folder: &Path) -> Result<Self, String> {
+        let files = list(folder)?;
+        let files = files
+            .into_iter()
+            .filter(|(name, _)| name.ends_with(".json"));
+        let read = |(name, path): (String, std::path::PathBuf)| Ok((name, read_json(&path)?));
+        let files = files.map(read).collect::<Result<_, String>>()?;
+        Ok(Self { files })
+    }
+
+    /// Writes the files into `folder`.
+    pub fn unpack(&self, folder: &Path) -> Result<(), String> {
+        let says = |error: std::io::Error| format!("{}: {error}", folder.display());
+        std::fs::create_dir_all(folder).map_err(says)?;
+        for (name, figures) in &self.files {
+            // A bundle comes from elsewhere: its files stay in the folder.
+            if Path::new(name).file_name() != Some(name.as_ref()) || !name.ends_with(".json") {
+                return Err(format!("{name} is no name of a file of figures"));
+            }
+            write_json(&folder.join(name).to_string_lossy(), figures);
+        }
+        Ok(())
+    }
 }
 
 /// Reads all files that benches wrote into `folder`. A bench may have written several, whose names begin with its own:

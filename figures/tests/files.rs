@@ -6,7 +6,7 @@ use bevy_lean_deferred_figures::{
     benches::{Bench, Figures},
     docs::tables::TABLES,
     page,
-    store::{Store, benches_in},
+    store::{Bundle, Store, benches_in},
 };
 
 /// A folder that is deleted after the test.
@@ -348,6 +348,48 @@ fn levels() {
         ],
     );
     assert_eq!(bench.figures().plots().len(), 1);
+}
+
+#[test]
+fn isa() {
+    let shader = |family: &str, name: &str, beside: &str, cycles: u32| {
+        format!(
+            r#"{{"family": "{family}", "name": "{name}", "beside": {beside}, "subgroup": 64, "registers": 96, "demand": 82,
+            "waves": 5, "shared": 2048, "instructions": 2753, "code": 15360, "latency": 40900, "inverse_throughput": {cycles}}}"#
+        )
+    };
+    let shaders = [
+        shader("vangogh", "own", r#""Bevy's""#, 1000),
+        shader("vangogh", "Bevy's", "null", 4000),
+        shader("navi31", "own", r#""Bevy's""#, 500),
+        shader("navi31", "Bevy's", "null", 1000),
+        r#"{"family": "tgl", "name": "own", "subgroup": 8, "registers": 120, "spills": 3, "scratch": 1024, "latency": 9}"#.into(),
+    ];
+    let json = format!(
+        r#"{{"compiler": "Mesa 1", "shaders": [{}]}}"#,
+        shaders.join(",")
+    );
+    has_rows(
+        &read("isa.json", &json),
+        &[
+            "| own | 96 | 82 | 5 | 2,048 | 0 | 2,753 | 15.0 | 40,900 | 1,000 / 500 | 0.25 / 0.50 |",
+            "| Bevy's | 96 | 82 | 5 | 2,048 | 0 | 2,753 | 15.0 | 40,900 | 4,000 / 1,000 | – |",
+            "| own | 8 | 120 | 3 | 1,024 | 0 | 0 | 9 |",
+        ],
+    );
+}
+
+#[test]
+fn a_bundle_becomes_the_folder_again() {
+    let [from, to] = ["bundle_from", "bundle_to"].map(Folder::new);
+    from.write("frame_times.json", FRAME_TIMES);
+    from.write("run.json", r#"{"note": "five minutes"}"#);
+    let json = serde_json::to_string(&Bundle::of(&from.0).unwrap()).unwrap();
+    let bundle: Bundle = serde_json::from_str(&json).unwrap();
+    bundle.unpack(&to.0).unwrap();
+    assert_eq!(benches_in(&to.0).unwrap().len(), 1);
+    let hostile: Bundle = serde_json::from_str(r#"{"../run.json": {}}"#).unwrap();
+    assert!(hostile.unpack(&to.0).is_err());
 }
 
 #[test]

@@ -26,6 +26,10 @@ fn table(key: LightingKey) -> impl IntoIterator<Item = (bool, &'static str)> {
         (lights(ClusteredLights::SPOT), "SPOT_LIGHTS"),
         (lights(ClusteredLights::SPHERE), "SPHERE_LIGHTS"),
         (casts(ShadowMaps::DIRECTIONAL), "DIRECTIONAL_SHADOW_MAPS"),
+        (
+            casts(ShadowMaps::SEVERAL_DIRECTIONAL),
+            "SEVERAL_DIRECTIONAL_SHADOW_MAPS",
+        ),
         (casts(ShadowMaps::POINT), "POINT_SHADOW_MAPS"),
         (casts(ShadowMaps::SPOT), "SPOT_SHADOW_MAPS"),
         (casts(ShadowMaps::SOFT), "SOFT_SHADOWS"),

@@ -78,6 +78,8 @@ bitflags! {
         const SPOT = 1 << 2;
         /// Some of these lights have percentage-closer soft shadows (Bevy's feature `experimental_pbr_pcss`).
         const SOFT = 1 << 3;
+        /// More than one directional light casts such shadows.
+        const SEVERAL_DIRECTIONAL = 1 << 4;
         /// The kinds of lights.
         const OF_ANY_LIGHT = Self::DIRECTIONAL.bits() | Self::POINT.bits() | Self::SPOT.bits();
     }
@@ -179,6 +181,9 @@ impl SceneFeatures<'_, '_> {
         }
         for light in &self.directional_lights {
             if light.shadow_maps_enabled {
+                if lights.shadow_maps.contains(ShadowMaps::DIRECTIONAL) {
+                    lights.shadow_maps |= ShadowMaps::SEVERAL_DIRECTIONAL;
+                }
                 lights.shadow_maps |= ShadowMaps::DIRECTIONAL;
                 if light.soft_shadow_size.is_some() {
                     lights.shadow_maps |= ShadowMaps::SOFT;

@@ -151,9 +151,13 @@ pub(super) fn extract_level_lights(
             ClusteredLights::SPOT,
         );
     }
-    if suns.iter().any(|light| light.shadow_maps_enabled) {
-        found.lights.shadow_maps |= ShadowMaps::DIRECTIONAL;
-    }
+    let casting_suns = suns
+        .iter()
+        .filter(|light| light.shadow_maps_enabled)
+        .count();
+    let shadow_maps = &mut found.lights.shadow_maps;
+    shadow_maps.set(ShadowMaps::DIRECTIONAL, casting_suns > 0);
+    shadow_maps.set(ShadowMaps::SEVERAL_DIRECTIONAL, casting_suns > 1);
     found.has_rect_lights = !rect_lights.is_empty();
     found.has_decals = !decals.is_empty();
     let probes = &mut found.probes;

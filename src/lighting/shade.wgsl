@@ -16,7 +16,7 @@
     screen_space_light::{ScreenSpaceLight, screen_space_light},
     indirect_light::add_indirect_light,
     lit::Lit,
-    shading_point::{NO_CLUSTER, ShadingPoint, shading_point},
+    shading_point::{NO_CLUSTER, ShadingPoint, set_colors, shading_point},
 }
 
 #ifdef DEBUG_VIEW
@@ -198,6 +198,11 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         return shaded;
     }
     if cluster != NO_CLUSTER {
+#ifndef CLUSTERED_DECALS_ARE_USABLE
+        // Unpacked again: colours that are kept take ten registers in the loops over lights. Decals change them.
+        let again = pbr_input_from_gbuffer(pixel);
+        set_colors(&point, again.material);
+#endif
         show(&shaded, pixel, lit_of(&point, accumulator), direct_visibility);
     }
 #ifdef SCATTERS_LIGHT

@@ -3,6 +3,7 @@
 pub mod ambient_occlusion;
 pub mod auto_exposure;
 pub mod frame_times;
+pub mod isa;
 pub mod levels;
 pub mod light_scaling;
 pub mod many_meshes;
@@ -17,6 +18,7 @@ use crate::{json::read_json, plots::Plot, store::Store, table::Table, time::Devi
 pub use ambient_occlusion::AmbientOcclusion;
 pub use auto_exposure::AutoExposure;
 pub use frame_times::FrameTimes;
+pub use isa::Isa;
 pub use levels::Levels;
 pub use light_scaling::LightScaling;
 pub use many_meshes::ManyMeshes;
@@ -110,6 +112,7 @@ benches! {
     light_scaling LightScaling,
     many_meshes ManyMeshes,
     stutter Stutter,
+    isa Isa,
 }
 
 /// The only one of the measurements that are `found`: a table of the docs relies on it.

@@ -14,6 +14,7 @@ pub fn drawn(store: &Store) -> BTreeMap<String, String> {
     let exposure = store.auto_exposure("h200").plots();
     let lights = store.light_scaling("h200").plots();
     let meshes = store.many_meshes("h200").plots();
+    let compiled = store.isa("mesa25").plots();
     let plots = [
         ("frame.svg", &frames, "stages"),
         ("frame_bytes.svg", &frames, "bytes"),
@@ -39,6 +40,7 @@ pub fn drawn(store: &Store) -> BTreeMap<String, String> {
         ("auto_exposure.svg", &exposure, "speed"),
         ("light_scaling.svg", &lights, "lights"),
         ("many_meshes.svg", &meshes, "meshes"),
+        ("isa.svg", &compiled, "throughput"),
     ];
     let draw = |(file, plots, name): (&str, &Vec<Plot>, &str)| {
         let plot = plots.iter().find(|plot| plot.name == name);

@@ -55,6 +55,10 @@ fn heading(bench: &str) -> (&'static str, &'static str) {
             "Hitches",
             "A walk through a level in which features come and go one at a time.",
         ),
+        "isa" => (
+            "Shaders by their compilers",
+            "Registers, occupancy and estimated cycles on GPUs that are not there.",
+        ),
         _ => (
             "Cost over the number of meshes",
             "Time of the CPU: the GPU is waited for outside of it.",

@@ -1,26 +1,36 @@
 //! The benches to run, and how long they are expected to take.
 
+use std::time::Duration;
+
 /// Extent of the measurements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mode {
     /// Small scenes and few frames, for a software renderer.
     Quick,
+    /// Five minutes on any GPU: the most important figures first.
+    Gpu,
     /// The figures in the docs. Needs a GPU.
     Full,
 }
 
 impl Mode {
-    /// Cargo's arguments. Quick runs reuse the build of the tests.
+    /// Cargo's arguments. GPU times do not depend on the profile, and that of the tests takes a fraction of the time to build.
     pub fn profile(self) -> &'static [&'static str] {
         match self {
-            Self::Quick => &["--profile", "dev"],
+            Self::Quick | Self::Gpu => &["--profile", "dev"],
             Self::Full => &[],
         }
+    }
+
+    /// After this time the benches are cut short.
+    pub fn limit(self) -> Option<Duration> {
+        (self == Self::Gpu).then_some(Duration::from_secs(300))
     }
 
     pub fn note(self) -> &'static str {
         match self {
             Self::Quick => "quick: small scenes, few frames",
+            Self::Gpu => "five minutes on a GPU",
             Self::Full => "full",
         }
     }
@@ -42,7 +52,8 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
     let step = |bench, args: &[&str], expected| Step {
         bench,
         args: args.iter().map(|arg| (*arg).into()).collect(),
-        has_pictures: !matches!(bench, "auto_exposure" | "stutter"),
+        // Pictures of GPUs are not sent.
+        has_pictures: mode != Mode::Gpu && !matches!(bench, "auto_exposure" | "stutter"),
         expected,
     };
     let mut steps = match mode {
@@ -148,6 +159,71 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
                 "stutter",
                 &["--quick", "--contender", "Bevy forward,lean"],
                 300.0,
+            ),
+        ],
+        Mode::Gpu => vec![
+            step(
+                "frame_times",
+                &[
+                    "--scene",
+                    "boxes_1,boxes_64,targets_materials",
+                    "--size",
+                    "1920x1080",
+                    "--frames",
+                    "30",
+                    "--warm-up",
+                    "10",
+                    "--no-flip",
+                    "--contender",
+                    "Bevy forward,Bevy depth prepass,Bevy deferred,lean",
+                ],
+                90.0,
+            ),
+            step(
+                "screen_space",
+                &[
+                    "--size",
+                    "1920x1080",
+                    "--frames",
+                    "30",
+                    "--warm-up",
+                    "10",
+                    "--no-errors",
+                    "--contender",
+                    "GI, Medium, Half;reflections, Medium, Half;Bevy;scattering, High, Tenth",
+                ],
+                60.0,
+            ),
+            step(
+                "auto_exposure",
+                &[
+                    "--size",
+                    "1920x1080",
+                    "--frames",
+                    "20",
+                    "--warm-up",
+                    "5",
+                    "--ring-mb",
+                    "64",
+                    "--contender",
+                    "in an app",
+                ],
+                20.0,
+            ),
+            // Last: the closed forms that it compares with take the CPU long.
+            step(
+                "ambient_occlusion",
+                &[
+                    "--size",
+                    "1920x1080",
+                    "--frames",
+                    "30",
+                    "--warm-up",
+                    "10",
+                    "--contender",
+                    "=Medium, indirect;=High, indirect;=Bevy High;=Bevy Ultra",
+                ],
+                90.0,
             ),
         ],
         Mode::Full => vec![

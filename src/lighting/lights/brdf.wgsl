@@ -10,6 +10,7 @@
 #endif
 
 #ifdef STANDARD_MATERIAL_ANISOTROPY
+#import bevy_lean_deferred::lighting::lights::shading_point::bitangent_at
 #import bevy_pbr::lighting::{D_GGX_anisotropic, V_GGX_anisotropic}
 #endif
 
@@ -33,12 +34,11 @@ struct LightAccumulator {
     diffuse: vec3<f32>,
     specular: vec3<f32>,
     fresnel: vec3<f32>,
+    // Light of the shading model, of which a surface has one: reflected by the coat; or from behind, times π.
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    coat: vec3<f32>,
-#endif
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    /// Light from behind, times π.
-    transmitted: vec3<f32>,
+    of_model: vec3<f32>,
+#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    of_model: vec3<f32>,
 #endif
 }
 
@@ -47,7 +47,7 @@ fn accumulate(accumulator: ptr<function, LightAccumulator>, response: Response, 
     (*accumulator).specular += response.specular * color;
     (*accumulator).fresnel += response.fresnel * color;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    (*accumulator).coat += response.coat * color;
+    (*accumulator).of_model += response.coat * color;
 #endif
 }
 
@@ -65,10 +65,10 @@ fn lit_of(point: ptr<function, ShadingPoint>, accumulator: LightAccumulator) -> 
     lit.diffuse = (*point).diffuse_color * min(accumulator.diffuse, vec3(BRIGHTEST)) * INVERSE_PI;
     lit.specular = (*point).multiscatter * boundary;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-    lit.specular += min(accumulator.coat, vec3(BRIGHTEST));
+    lit.specular += select(vec3(0.0), min(accumulator.of_model, vec3(BRIGHTEST)), (*point).clearcoat > 0.0);
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    lit.diffuse += (*point).transmitted_color * min(accumulator.transmitted, vec3(BRIGHTEST)) * INVERSE_PI;
+    lit.diffuse += (*point).transmitted_color * min(accumulator.of_model, vec3(BRIGHTEST)) * INVERSE_PI;
 #endif
     return lit;
 }
@@ -138,7 +138,7 @@ fn specular_reflection(
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     if (*point).is_anisotropic {
         let T = (*point).tangent;
-        let B = (*point).bitangent;
+        let B = bitangent_at(point);
         let V = (*point).V;
         let across = roughness * roughness;
         let along = mix(across, 1.0, (*point).anisotropy * (*point).anisotropy);

@@ -33,7 +33,7 @@
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
-#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, transmits}
 #endif
 
 fn is_spot_light(flags: u32) -> bool {
@@ -193,7 +193,7 @@ fn shadow_of(
 fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr<function, LightAccumulator>) {
     let light = &clustered_lights.data[id];
     let color_range = (*light).color_inverse_square_range;
-    let to_light = (*light).position_radius.xyz - (*point).back_position;
+    let to_light = (*light).position_radius.xyz - back_position(point);
     let distance_square = dot(to_light, to_light);
     if !(distance_square * color_range.w < 1.0 && dot((*point).N, to_light) < 0.0) {
         return;
@@ -218,12 +218,12 @@ fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr
     let has_shadows = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
     if has_shadows && (*point).back_receives_shadows {
         let normal = -geometric_normal(point);
-        strength *= clustered_shadow(id, is_spot, (*point).back_position, normal, (*point).pixel);
+        strength *= clustered_shadow(id, is_spot, back_position(point), normal, (*point).pixel);
     }
 #endif
 #ifdef LIGHT_TEXTURES
-    strength *= texture_of(id, is_spot, (*point).back_position);
+    strength *= texture_of(id, is_spot, back_position(point));
 #endif
-    (*accumulator).transmitted += response_from_behind(point, L) * strength * color_range.rgb;
+    (*accumulator).of_model += response_from_behind(point, L) * strength * color_range.rgb;
 }
 #endif

@@ -15,9 +15,11 @@
 #ifdef LIGHT_CULLING
 #import bevy_lean_deferred::lighting::lights::reach::{box_of_tile, may_reach}
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+
 /// Distance in metres behind the surface at which it also gathers light.
 fn reach_of(point: ptr<function, ShadingPoint>) -> f32 {
-    return distance((*point).position, (*point).back_position);
+    return select(0.0, (*point).thickness, transmits(point));
 }
 #endif
 #endif

@@ -35,7 +35,7 @@
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
-#import bevy_lean_deferred::lighting::lights::shading_point::{geometric_normal, transmits}
+#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, geometric_normal, transmits}
 #endif
 
 /// Colour of the light at `position`, after its texture and the atmosphere.
@@ -80,12 +80,39 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-/// Visibility of each directional light in its shadow map, by the light's index.
+/// Visibility of directional lights in their shadow maps.
 struct DirectionalShadows {
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    /// By the light's index.
     visibility: array<f32, #{MAX_DIRECTIONAL_LIGHTS}>,
+#else
+    /// Of the one light that has a shadow map: an array that is indexed at run time takes a register for each of its elements, or
+    /// scratch memory.
+    visibility: f32,
+#endif
 }
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
+fn set_visibility(shadows: ptr<function, DirectionalShadows>, id: u32, visibility: f32) {
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    (*shadows).visibility[id] = visibility;
+#else
+    (*shadows).visibility = visibility;
+#endif
+}
+
+/// Visibility of the light with this index, 1 without a shadow map.
+fn visibility_of(shadows: ptr<function, DirectionalShadows>, id: u32) -> f32 {
+    if !has_shadow_map(id) {
+        return 1.0;
+    }
+#ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
+    return (*shadows).visibility[id];
+#else
+    return (*shadows).visibility;
+#endif
+}
+
 /// Must be called before other terms of the surface are computed: sampling takes many registers, so that little else should be
 /// live. Shadow maps of lights that cannot reach the surface are not sampled.
 fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
@@ -100,10 +127,10 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
 #endif
     let count = view_bindings::lights.n_directional_lights;
     for (var id = 0u; id < count; id++) {
-        (*shadows).visibility[id] = 1.0;
         if !has_shadow_map(id) {
             continue;
         }
+        set_visibility(shadows, id, 1.0);
 #ifdef LIGHT_LAYERS
         if !directional_light_affects_mesh(id) {
             continue;
@@ -125,7 +152,7 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
             normal = shadow_normal(pixel.position, pixel.depth, N);
             knows_normal = true;
         }
-        (*shadows).visibility[id] = directional_shadow(id, position, normal, in_view.z, pixel.position);
+        set_visibility(shadows, id, directional_shadow(id, position, normal, in_view.z, pixel.position));
     }
 }
 
@@ -188,7 +215,7 @@ fn add_directional_light(
 #ifdef SHADOWS
     if (*point).receives_shadows {
 #ifdef DIRECTIONAL_SHADOW_MAPS
-        shadow = (*shadows).visibility[id];
+        shadow = visibility_of(shadows, id);
 #endif
 #ifdef CONTACT_SHADOWS
         let has_contact_shadows = (view_bindings::lights.directional_lights[id].flags
@@ -222,10 +249,10 @@ fn add_transmitted_directional_light(
 #ifdef DIRECTIONAL_SHADOW_MAPS
     if (*point).back_receives_shadows && has_shadow_map(id) {
         let normal = -geometric_normal(point);
-        shadow = directional_shadow(id, (*point).back_position, normal, (*point).view_z, (*point).pixel);
+        shadow = directional_shadow(id, back_position(point), normal, (*point).view_z, (*point).pixel);
     }
 #endif
-    let color = color_at(id, (*point).back_position);
-    (*accumulator).transmitted += response_from_behind(point, L) * shadow * color;
+    let color = color_at(id, back_position(point));
+    (*accumulator).of_model += response_from_behind(point, L) * shadow * color;
 }
 #endif

@@ -27,6 +27,7 @@
 
 #ifdef STANDARD_MATERIAL_ANISOTROPY
 #import bevy_lean_deferred::lighting::lights::brdf::unit
+#import bevy_lean_deferred::lighting::lights::shading_point::bitangent_at
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
@@ -273,7 +274,7 @@ fn add_environment(
 /// Like Bevy's `bend_normal_for_anisotropy`, from the glTF extension `KHR_materials_anisotropy`.
 fn bend(point: ptr<function, ShadingPoint>, layer: ptr<function, LayerLightingInput>) {
     let V = (*point).V;
-    let bitangent = (*point).bitangent;
+    let bitangent = bitangent_at(point);
     let towards = unit(cross(cross(bitangent, V), bitangent));
     let roughness = (*point).roughness;
     let a = exp2(exp2(1.0 - (*point).anisotropy * (1.0 - roughness)));

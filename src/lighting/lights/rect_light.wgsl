@@ -12,7 +12,7 @@
 #endif
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-#import bevy_lean_deferred::lighting::lights::shading_point::transmits
+#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, transmits}
 #endif
 
 /// Table entry of a roughness and a view angle.
@@ -117,7 +117,7 @@ fn transmitted_rect_light(
     id: u32,
     corners: array<vec3<f32>, 4>,
 ) -> vec3<f32> {
-    let position = (*point).back_position;
+    let position = back_position(point);
     let falloff = falloff_at(id, position, corners[0]);
     if falloff == 0.0 {
         return vec3(0.0);

@@ -6,7 +6,7 @@
     lighting::{F_AB, perceptualRoughnessToRoughness},
     mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
     pbr_functions::{calculate_F0, calculate_F0_dielectric, calculate_diffuse_color},
-    pbr_types::PbrInput,
+    pbr_types::{PbrInput, StandardMaterial},
 }
 
 #ifdef GEOMETRIC_NORMAL
@@ -40,15 +40,18 @@ struct ShadingPoint {
     perceptual_roughness: f32,
     /// Square of `perceptual_roughness`, clamped like Bevy's.
     roughness: f32,
-    diffuse_color: vec3<f32>,
     metallic: f32,
     F0_dielectric: vec3<f32>,
     F0_metallic: vec3<f32>,
+    F_ab: vec2<f32>,
+    // Colours: see `set_colors`.
+    diffuse_color: vec3<f32>,
     F_normal: vec3<f32>,
     F_grazing: f32,
-    F_ab: vec2<f32>,
     /// Factor of specular reflection that adds multiple scattering.
     multiscatter: vec3<f32>,
+    /// Light that is scattered again, per light that is reflected at a reflectance of 1.
+    scattered_again: f32,
     /// (1 - N·V)⁵
     view_fresnel: f32,
     /// `smith` of the view direction.
@@ -58,7 +61,7 @@ struct ShadingPoint {
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
     knows_geometric_normal: bool,
-    /// Valid if `knows_geometric_normal`.
+    /// Valid if `knows_geometric_normal`, and where light is transmitted.
     geometric_normal: vec3<f32>,
 #endif
 #ifdef LIGHTMAPPED_SURFACES
@@ -74,13 +77,16 @@ struct ShadingPoint {
     is_anisotropic: bool,
     anisotropy: f32,
     tangent: vec3<f32>,
+#ifdef CLUSTERED_DECALS_ARE_USABLE
     bitangent: vec3<f32>,
 #endif
+#endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    /// 0 where no light is transmitted.
+    transmits: bool,
+    /// A colour as above. 0 where no light is transmitted.
     transmitted_color: vec3<f32>,
-    /// Point where light from behind enters.
-    back_position: vec3<f32>,
+    /// In metres.
+    thickness: f32,
     back_receives_shadows: bool,
 #endif
 }
@@ -116,20 +122,12 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.NdotV = clamp(point.signed_NdotV, 0.0001, 1.0);
     point.perceptual_roughness = material.perceptual_roughness;
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
-    point.diffuse_color = calculate_diffuse_color(
-        material.base_color.rgb,
-        material.metallic,
-        0.0,
-        material.diffuse_transmission,
-    );
     point.metallic = material.metallic;
     point.F0_dielectric = calculate_F0_dielectric(material.reflectance);
     point.F0_metallic = material.base_color.rgb;
-    point.F_normal = calculate_F0(material.base_color.rgb, material.metallic, material.reflectance);
-    // A reflectance below that of any real surface also lowers reflection at grazing angles.
-    point.F_grazing = saturate(dot(point.F_normal, vec3(50.0 * 0.33)));
     point.F_ab = F_AB(material.perceptual_roughness, point.NdotV);
-    point.multiscatter = 1.0 + point.F_normal * (1.0 / (point.F_ab.x + point.F_ab.y) - 1.0);
+    point.scattered_again = 1.0 / (point.F_ab.x + point.F_ab.y) - 1.0;
+    set_colors(&point, material);
     point.view_fresnel = fifth_power(1.0 - point.NdotV);
     point.view_smith = smith(point.roughness, point.NdotV);
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
@@ -146,24 +144,67 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.is_anisotropic = model == specialization::ANISOTROPY;
     point.anisotropy = pbr.anisotropy_strength;
     point.tangent = pbr.anisotropy_T;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
     point.bitangent = pbr.anisotropy_B;
 #endif
+#endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    point.transmitted_color =
-        material.base_color.rgb * (1.0 - material.metallic) * material.diffuse_transmission;
-    point.back_position = point.position;
+    point.transmits = any(point.transmitted_color != vec3(0.0));
+    point.thickness = material.thickness;
+#ifdef GEOMETRIC_NORMAL
     if transmits(&point) {
-        point.back_position -= geometric_normal(&point) * material.thickness;
+        let normal = geometric_normal(&point);
+        point.geometric_normal = normal;
     }
+#endif
     point.back_receives_shadows = point.receives_shadows
         && (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
 #endif
     return point;
 }
 
+/// Sets the colours of the surface. Direct light reads them after the loops over lights only.
+fn set_colors(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
+    (*point).diffuse_color = calculate_diffuse_color(
+        material.base_color.rgb,
+        material.metallic,
+        0.0,
+        material.diffuse_transmission,
+    );
+    let F_normal = calculate_F0(material.base_color.rgb, material.metallic, material.reflectance);
+    (*point).F_normal = F_normal;
+    // A reflectance below that of any real surface also lowers reflection at grazing angles.
+    (*point).F_grazing = saturate(dot(F_normal, vec3(50.0 * 0.33)));
+    (*point).multiscatter = 1.0 + F_normal * (*point).scattered_again;
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    (*point).transmitted_color =
+        material.base_color.rgb * (1.0 - material.metallic) * material.diffuse_transmission;
+#endif
+}
+
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 fn transmits(point: ptr<function, ShadingPoint>) -> bool {
-    return any((*point).transmitted_color != vec3(0.0));
+    return (*point).transmits;
+}
+
+/// Point where light from behind enters a surface that transmits light.
+fn back_position(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+#ifdef GEOMETRIC_NORMAL
+    return (*point).position - (*point).geometric_normal * (*point).thickness;
+#else
+    return (*point).position - (*point).N * (*point).thickness;
+#endif
+}
+#endif
+
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+/// As `anisotropy::specialize` sets it, so that no registers keep it. Decals turn the normal only.
+fn bitangent_at(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    return (*point).bitangent;
+#else
+    return cross((*point).N, (*point).tangent);
+#endif
 }
 #endif
 

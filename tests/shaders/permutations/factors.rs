@@ -54,6 +54,7 @@ pub const LIGHTING: &[Factor] = &[
     &[
         &[],
         &["DIRECTIONAL_SHADOW_MAPS"],
+        &["DIRECTIONAL_SHADOW_MAPS", "SEVERAL_DIRECTIONAL_SHADOW_MAPS"],
         &["POINT_SHADOW_MAPS"],
         &["SPOT_SHADOW_MAPS"],
         &["POINT_SHADOW_MAPS", "SPOT_SHADOW_MAPS"],

@@ -84,7 +84,7 @@ macro_rules! shader {
 
 /// Lighting with all features, and `more` definitions.
 pub fn lighting(more: &[&str]) -> Composed {
-    const MOST: [&str; 34] = [
+    const MOST: [&str; 35] = [
         "DEPTH_PREPASS",
         "DIFFUSE_LIGHT",
         "INDIRECT_SPECULAR",
@@ -104,6 +104,7 @@ pub fn lighting(more: &[&str]) -> Composed {
         "SPOT_LIGHTS",
         "SPHERE_LIGHTS",
         "DIRECTIONAL_SHADOW_MAPS",
+        "SEVERAL_DIRECTIONAL_SHADOW_MAPS",
         "CLUSTERED_SHADOW_MAPS",
         "POINT_SHADOW_MAPS",
         "SPOT_SHADOW_MAPS",

@@ -2,6 +2,7 @@
 //!
 //! A table ends the program if its figures are missing, and says what was not measured.
 
+mod compilers;
 mod effects;
 mod frames;
 mod summary;
@@ -28,6 +29,9 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("reflections_1920", effects::reflections_1920),
     ("scattering", effects::scattering),
     ("presets", effects::presets),
+    ("isa amd", compilers::amd),
+    ("isa intel", compilers::intel),
+    ("expected", compilers::expected),
 ];
 
 const HD: [u32; 2] = [1920, 1080];
