@@ -153,9 +153,20 @@ fn mirror_images_begin_where_things_end() {
             seen.save(&format!("contact_{}", eye.y), 1.0);
             let pixels = floor_before(&seen, eye, &things);
             let is_floor = |pixel: UVec2| pixels.iter().any(|other| other.pixel == pixel);
-            let contacts = pixels
-                .iter()
-                .filter(|at| at.hits && at.pixel.y > 0 && !is_floor(at.pixel - UVec2::Y));
+            let is_mirror = |x: u32, y: u32| {
+                let mut mirrors = pixels.iter().filter(|other| other.hits);
+                mirrors.any(|other| other.pixel == UVec2::new(x, y))
+            };
+            // Not the outlines of the images, whose pixels have some of what is beside.
+            let contacts = pixels.iter().filter(|at| {
+                let UVec2 { x, y } = at.pixel;
+                at.hits
+                    && y > 0
+                    && x > 1
+                    && !is_floor(at.pixel - UVec2::Y)
+                    && is_mirror(x - 2, y + 1)
+                    && is_mirror(x + 2, y + 1)
+            });
             let light: Vec<f32> = contacts.map(|at| at.light).collect();
             let (least, most) = range(&light);
             println!("{} pixels from {least:.3} to {most:.3}", light.len());

@@ -100,7 +100,8 @@ fn a_dragged_view_keeps_its_last_frame() {
             };
             let [lag, bright] = [&now, &black].map(|other| off(other, &still, corner, size));
             println!("frame {frame}: off by {lag:.4} of {bright:.4}");
-            assert!(lag < 0.05 * bright);
+            // Without a last frame all light is missing.
+            assert!(lag < 0.1 * bright);
         }
         let slots = seen
             .iter()
