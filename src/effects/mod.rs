@@ -13,7 +13,8 @@
 //! probes and ambient light, which they replace in part. Only surfaces in the picture contribute. The last frame is invalid after a
 //! [`CameraCut`](crate::CameraCut), a pause, or a change between perspective and orthographic. With `MotionVectorPrepass` on the
 //! camera, moving surfaces are reprojected along their motion; without it, their light lags one frame behind, and surfaces that move
-//! with the camera, such as a weapon, are found in place. If an app shifts its whole world, all meshes and cameras alike, nothing counts as moved.
+//! with the camera, such as a weapon, are looked for in place. If an app shifts its whole world, all meshes and cameras alike, nothing
+//! counts as moved.
 //!
 //! [`LeanScreenSpaceAmbientOcclusion`]: ambient_occlusion::LeanScreenSpaceAmbientOcclusion
 //! [`LeanAutoExposure`]: auto_exposure::LeanAutoExposure

@@ -6,7 +6,7 @@ use bevy::{
     shader::load_shader_library,
 };
 
-use super::{history_validity::LastFrame, world_shift::LEAST};
+use super::{history_validity::LastFrame, world_shift};
 
 /// Loads `reprojection.wgsl`. Added once, by the effects that reproject light.
 pub(super) struct ReprojectionPlugin;
@@ -64,7 +64,8 @@ pub(super) fn may_carry_surfaces(now: &LastFrame, last: &LastFrame) -> bool {
     let last_view_from_view = last_view_from_view(now, last);
     let moved = last_view_from_view.w_axis.truncate().length();
     // Above the rounding of products of matrices.
-    !last_view_from_view.abs_diff_eq(DMat4::IDENTITY, 1e-7) && moved <= f64::from(LEAST)
+    !last_view_from_view.abs_diff_eq(DMat4::IDENTITY, 1e-7)
+        && moved <= f64::from(world_shift::LEAST)
 }
 
 /// This frame's exposure divided by that of the last one; 0 without a last frame.

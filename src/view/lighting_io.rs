@@ -74,9 +74,9 @@ pub struct DiffuseLight {
 /// probes and ambient light, with the same Fresnel and roughness terms.
 ///
 /// The texture has a float format and is at least as large as the viewport, whose light begins in its corner. RGB:
-/// radiance around the mirrored direction, for the roughness of the surface (of its coat, if it has one), with the exposure of this frame. Alpha: confidence, 0 to 1,
-/// with which it replaces the other sources. Its visibility was tested, so ambient occlusion does not darken it.
-/// Without a texture there are no reflections.
+/// radiance around the mirrored direction, for the roughness of the surface (of its coat, if it has one), with the
+/// exposure of this frame. Alpha: confidence, 0 to 1, with which it replaces the other sources. Its visibility was
+/// tested, so ambient occlusion does not darken it. Without a texture there are no reflections.
 #[derive(Component, Clone, Debug, Default)]
 pub struct IndirectSpecular(pub Option<TextureView>);
 

@@ -200,7 +200,6 @@ pub enum OcclusionApplication {
     MultiplicativeBlend,
     /// The lighting pass darkens ambient light, environment maps, probes and irradiance volumes, and lightmaps by
     /// [`baked_light`](LeanScreenSpaceAmbientOcclusionAdvanced::baked_light). Meshes in Bevy's forward passes neither receive nor
-    /// cast occlusion. Falls back to [`MultiplicativeBlend`](Self::MultiplicativeBlend) where the camera is not
-    /// rendered lean.
+    /// cast occlusion. Falls back to [`MultiplicativeBlend`](Self::MultiplicativeBlend) where the camera is not rendered lean.
     Indirect,
 }

@@ -13,7 +13,7 @@ struct Entry {
     known: f32,
 }
 
-/// The upper three bits of depths from `FURTHEST` to 1 are 001, so that words have place for a weight in them.
+/// The upper three bits of depths from `FURTHEST` to 1 are 001. Words hold a weight in their place.
 const SURFACE: u32 = 0x20000000u;
 const WEIGHT_SHIFT: u32 = 29u;
 const LARGEST_WEIGHT: f32 = 7.0;
@@ -22,7 +22,7 @@ const FURTHEST: u32 = 0x20000001u;
 /// Bits of depth 1.
 const NEAREST: u32 = 0x3f800000u;
 
-/// Keeps all bits of depth, and an eighth of the weights. Depths that are not above 0 become 0.
+/// Packs a depth, of which all bits are kept, and a weight in steps of 1/7. Depths that are not above 0 become 0.
 fn pack_depth(depth: f32, known: f32) -> u32 {
     let bits = clamp(bitcast<u32>(depth), FURTHEST, NEAREST) ^ SURFACE;
     let weight = u32(saturate(known) * LARGEST_WEIGHT + 0.5);

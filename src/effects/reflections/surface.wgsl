@@ -75,8 +75,8 @@ fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
     return mix(fine, mean, level);
 }
 
-/// Pixels of depth steps within which the last frame shows the same surface. Its weight is 0 from twice as many on: a step separates
-/// surfaces a pixel apart.
+/// Depth steps within which the last frame shows the same surface; a step separates surfaces a pixel apart. Its weight is 0 from
+/// twice as many on.
 const SAME_SURFACE: f32 = 0.5;
 
 /// Metres that separate surfaces `pixels` apart, `distance` metres away.
