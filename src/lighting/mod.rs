@@ -76,6 +76,7 @@ pub mod subsurface_light;
 mod tile_list;
 
 pub use crate::view::LightingPasses;
+pub use forward::define_lean_lighting;
 // For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
 use forward::ForwardLightPlugin;

@@ -5,7 +5,11 @@ pub mod scenes;
 use bevy::{
     asset::uuid_handle,
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
-    pbr::{ExtendedMaterial, MaterialExtension, MaterialPlugin},
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{
+        ExtendedMaterial, MaterialExtension, MaterialExtensionKey, MaterialExtensionPipeline,
+        MaterialPlugin,
+    },
     prelude::*,
     reflect::TypePath,
     render::{
@@ -16,7 +20,9 @@ use bevy::{
     shader::ShaderRef,
 };
 use bevy_lean_deferred::{
-    lighting::forward::PIPELINE_LABEL, prelude::*, view::LeanDeferredAdvanced,
+    lighting::{define_lean_lighting, forward::PIPELINE_LABEL},
+    prelude::*,
+    view::LeanDeferredAdvanced,
 };
 use kit::{
     headless::{Headless, Picture, small_shadow_maps},
@@ -179,6 +185,8 @@ fn forward_cameras_have_bevys_pipelines() {
     });
 }
 
+const TINT: &str = "pbr.material.base_color.r = 0.9;";
+
 const TINTED: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e51");
 
 /// A tint by a fragment shader of its own.
@@ -192,6 +200,30 @@ impl MaterialExtension for Tint {
 }
 
 type Tinted = ExtendedMaterial<StandardMaterial, Tint>;
+
+const LIT_BY_FUNCTIONS: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e52");
+
+/// The same tint, whose shader calls the light functions.
+#[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
+struct LeanTint {}
+
+impl MaterialExtension for LeanTint {
+    fn fragment_shader() -> ShaderRef {
+        LIT_BY_FUNCTIONS.into()
+    }
+
+    fn specialize(
+        _: &MaterialExtensionPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _: &MeshVertexBufferLayoutRef,
+        _: MaterialExtensionKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        define_lean_lighting(descriptor);
+        Ok(())
+    }
+}
+
+type LeanTinted = ExtendedMaterial<StandardMaterial, LeanTint>;
 
 /// An extension without a fragment shader.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
@@ -212,8 +244,7 @@ fn custom_fragment_shaders_stay() {
                 MaterialPlugin::<SwayedMaterial>::default(),
             ));
         });
-        let change = "pbr.material.base_color.r = 0.9;";
-        insert_shader(&mut headless, TINTED, forward_main(change), "tinted.wgsl");
+        insert_shader(&mut headless, TINTED, forward_main(TINT), "tinted.wgsl");
         show(&mut headless, |s: &mut SceneBuilder| {
             s.floor();
             let base = StandardMaterial {
@@ -241,5 +272,64 @@ fn custom_fragment_shaders_stay() {
         assert_eq!(lit, 1);
         assert_eq!(drawn_by_own_pipelines(&headless), (1, 0));
         report([judge("forward_light_custom", &forward, &own, LEAST_PSNR)]);
+    });
+}
+
+/// Shaders of apps may call the light functions, on cameras of any kind.
+#[test]
+fn custom_fragment_shaders_may_call_the_light_functions() {
+    in_own_process(|| {
+        let mut headless = Headless::with(SIZE, |app| {
+            small_shadow_maps(app);
+            app.add_plugins((
+                MaterialPlugin::<Tinted>::default(),
+                MaterialPlugin::<LeanTinted>::default(),
+            ));
+        });
+        let bevys = forward_main(TINT);
+        let own = bevys
+            .replace("apply_pbr_lighting, ", "")
+            .replace("apply_pbr_lighting", "apply_lean_lighting");
+        let import = "#import bevy_lean_deferred::lighting::forward::light::apply_lean_lighting\n";
+        insert_shader(&mut headless, TINTED, bevys, "tinted.wgsl");
+        insert_shader(
+            &mut headless,
+            LIT_BY_FUNCTIONS,
+            format!("{import}{own}"),
+            "lean_tinted.wgsl",
+        );
+        let base = StandardMaterial {
+            base_color: Color::srgba(0.2, 0.5, 0.9, 0.5),
+            alpha_mode: AlphaMode::Blend,
+            ..default()
+        };
+        show(&mut headless, |s| {
+            let material = s.add::<Tinted>(Tinted {
+                base: base.clone(),
+                extension: Tint {},
+            });
+            scenes::lamplit(s, MeshMaterial3d(material));
+        });
+        let expected = settled(&mut headless);
+        show(&mut headless, |s| {
+            let material = s.add::<LeanTinted>(LeanTinted {
+                base: base.clone(),
+                extension: LeanTint {},
+            });
+            scenes::lamplit(s, MeshMaterial3d(material));
+        });
+        let forward = settled(&mut headless);
+        let (own, lit) = lean(&mut headless, true);
+        // Its own shader stays.
+        assert_eq!(lit, 0);
+        report([
+            judge(
+                "forward_light_function",
+                &expected,
+                &forward,
+                LEAST_BETWEEN_LOOPS,
+            ),
+            judge("forward_light_function_lean", &expected, &own, LEAST_PSNR),
+        ]);
     });
 }

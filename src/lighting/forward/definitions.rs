@@ -1,4 +1,5 @@
-//! Shader definitions of `forward.wgsl`: those of Bevy's pipeline, and those of the light functions.
+//! Shader definitions of `forward.wgsl`, and of `light.wgsl` in shaders of apps: those of Bevy's pipeline, and those of the light
+//! functions.
 
 use bevy::shader::ShaderDefVal;
 
@@ -23,7 +24,7 @@ const WITH_BEVYS: [(&str, &str); 2] = [
 
 /// Turns the definitions of Bevy's pipeline into those of the crate's, for a mesh with these `layers` if the view has light layers.
 pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>) {
-    let has = |name| definitions.iter().any(|other| name_of(other) == name);
+    let has = |name: &str| definitions.iter().any(|other| name_of(other) == name);
     // Bevy's shader ignores contact shadows there.
     let drops_contact_shadows = !has("DEPTH_PREPASS");
     let with_bevys = WITH_BEVYS.into_iter().filter(|(bevys, _)| has(bevys));
@@ -40,6 +41,8 @@ pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>) {
             names.push(name);
         }
     }
+    // The material may have called `define_lean_lighting`.
+    names.retain(|name| !has(name));
     if drops_contact_shadows {
         definitions.retain(|definition| name_of(definition) != "CONTACT_SHADOWS");
     }
@@ -69,6 +72,10 @@ mod tests {
         for name in ["CONTACT_SHADOWS", "SOFT_SHADOWS", "LIGHT_LAYERS"] {
             assert!(!plain.iter().any(|other| other == name), "{name}");
         }
+        let mut twice = vec!["FORWARD_MESH".into()];
+        extend(&mut twice, None);
+        let count = |name| twice.iter().filter(|other| name_of(other) == name).count();
+        assert_eq!(["FORWARD_MESH", "SHADOWS"].map(count), [1, 1]);
         let bevys = [
             "CONTACT_SHADOWS",
             "DEPTH_PREPASS",

@@ -8,10 +8,12 @@
 
 // - `reasons.rs`: the reasons for which Bevy's fragment shader lights a mesh.
 // - `definitions.rs`: shader definitions.
+// - `material.rs`: lets shaders of apps call the light functions.
 // - `pipelines.rs`: the pipelines, by Bevy's.
 // - `queue.rs`: replaces the pipelines of meshes that Bevy has queued.
 // - `layers.rs`: binds the layers of lights.
 // - `binding_numbers.rs`, `bindings.wgsl`: the crate's own bind group.
+// - `light.wgsl`: the light of a surface, also for shaders of apps.
 // - `forward.wgsl`: the fragment shader.
 
 #[doc(hidden)]
@@ -19,10 +21,12 @@ pub mod binding_numbers;
 #[doc(hidden)]
 pub mod definitions;
 mod layers;
+mod material;
 mod pipelines;
 mod queue;
 mod reasons;
 
+pub use material::define_lean_lighting;
 // For tests.
 #[doc(hidden)]
 pub use pipelines::PIPELINE_LABEL;
@@ -50,6 +54,7 @@ pub(super) struct ForwardLightPlugin;
 impl Plugin for ForwardLightPlugin {
     fn build(&self, app: &mut App) {
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "light.wgsl");
         embedded_asset!(app, "forward.wgsl");
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

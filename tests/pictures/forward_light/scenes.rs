@@ -267,3 +267,12 @@ pub fn layered(s: &mut SceneBuilder, others: bool) {
     }
     s.default_camera((indoor(), RenderLayers::from_layers(&LAYERS)));
 }
+
+/// A ball with this material under many lamps.
+pub fn lamplit(s: &mut SceneBuilder, material: impl Bundle) {
+    s.floor();
+    let mesh = s.add::<Mesh>(Sphere::new(0.8).mesh().uv(24, 12));
+    s.spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 0.8, 0.0)));
+    lamps(s);
+    s.default_camera(indoor());
+}
