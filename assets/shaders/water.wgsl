@@ -16,11 +16,12 @@
 #import bevy_pbr::pbr_fragment::pbr_input_from_vertex_output
 #endif
 #else
+#import bevy_lean_deferred::lighting::forward::light::apply_lean_lighting
 #import bevy_pbr::{
     forward_io::{FragmentOutput, Vertex, VertexOutput},
     mesh_view_bindings::globals,
     pbr_fragment::pbr_input_from_vertex_output,
-    pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
+    pbr_functions::main_pass_post_lighting_processing,
 }
 #endif
 
@@ -130,7 +131,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferO
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     var pbr_input = pbr_input_from_vertex_output(in, is_front, false);
     set_surface(&pbr_input);
-    let color = apply_pbr_lighting(pbr_input);
+    let color = apply_lean_lighting(pbr_input);
     return FragmentOutput(main_pass_post_lighting_processing(pbr_input, color));
 }
 #endif

@@ -167,7 +167,10 @@ pub fn measure(
         }
         Contender::LeanCulling(light_culling) => {
             camera.insert(LeanDeferred {
-                advanced: LeanDeferredAdvanced { light_culling },
+                advanced: LeanDeferredAdvanced {
+                    light_culling,
+                    ..default()
+                },
                 ..default()
             });
         }

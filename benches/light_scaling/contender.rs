@@ -76,7 +76,10 @@ impl Contender {
             }
             Self::Lean(light_culling) => {
                 camera.insert(LeanDeferred {
-                    advanced: LeanDeferredAdvanced { light_culling },
+                    advanced: LeanDeferredAdvanced {
+                        light_culling,
+                        ..default()
+                    },
                     ..default()
                 });
             }

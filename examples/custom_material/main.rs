@@ -7,13 +7,18 @@ use bevy::{
     anti_alias::taa::TemporalAntiAliasing,
     camera::visibility::NoFrustumCulling,
     light::{GeneratedEnvironmentMapLight, NotShadowCaster, Skybox},
+    mesh::MeshVertexBufferLayoutRef,
+    pbr::{MaterialPipeline, MaterialPipelineKey},
     prelude::*,
     reflect::TypePath,
-    render::render_resource::AsBindGroup,
+    render::render_resource::{
+        AsBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError,
+    },
     shader::ShaderRef,
 };
 use bevy_lean_deferred::{
     gbuffer::{ForwardReason, GBufferTargets},
+    lighting::define_lean_lighting,
     prelude::*,
 };
 use kit::{
@@ -83,6 +88,17 @@ impl Material for Water {
     // The G-buffer has the vertex shader of Bevy's deferred pass.
     fn deferred_vertex_shader() -> ShaderRef {
         SHADER.into()
+    }
+
+    // For `apply_lean_lighting`, on cameras that are not lean.
+    fn specialize(
+        _: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _: &MeshVertexBufferLayoutRef,
+        _: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        define_lean_lighting(descriptor);
+        Ok(())
     }
 }
 

@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     render::{
         MainWorld,
-        sync_world::{MainEntity, MainEntityHashMap},
+        sync_world::{MainEntity, MainEntityHashMap, MainEntityHashSet},
     },
 };
 
@@ -54,10 +54,16 @@ pub struct LeanForwardMeshes {
     pub counts: Vec<(ForwardReason, usize)>,
     /// Up to 8 materials of these meshes, with the reason: those of the most meshes first.
     pub first: Vec<(UntypedAssetId, ForwardReason)>,
+    /// Number of these meshes that are lit by this crate's light functions in Bevy's passes: those of `StandardMaterial` that
+    /// `docs/limits.md` does not exclude. Bevy's lights the others.
+    pub lit: usize,
 }
 
 impl LeanForwardMeshes {
-    fn of<'a>(meshes: impl Iterator<Item = &'a (UntypedAssetId, ForwardReason)>) -> Self {
+    fn of<'a>(
+        meshes: impl Iterator<Item = &'a (UntypedAssetId, ForwardReason)>,
+        lit: usize,
+    ) -> Self {
         let mut by_reason = HashMap::<ForwardReason, usize>::default();
         let mut by_material = HashMap::<(UntypedAssetId, ForwardReason), usize>::default();
         for &(material, reason) in meshes {
@@ -74,6 +80,7 @@ impl LeanForwardMeshes {
         Self {
             counts,
             first: materials.into_iter().map(|(pair, _)| pair).collect(),
+            lit,
         }
     }
 
@@ -87,6 +94,8 @@ impl LeanForwardMeshes {
 #[derive(Default)]
 pub(super) struct CameraForwardMeshes {
     by_mesh: MainEntityHashMap<(UntypedAssetId, ForwardReason)>,
+    /// Those of them that the crate's light functions light.
+    lit: MainEntityHashSet,
     /// True if all visible meshes have been sorted since the camera became lean or got its [`LeanForwardMeshes`].
     is_complete: bool,
     /// `None` if a mesh has changed since the last report.
@@ -118,6 +127,19 @@ impl CameraForwardMeshes {
 
     pub(super) fn remove(&mut self, mesh: MainEntity) {
         if self.by_mesh.remove(&mesh).is_some() {
+            self.lit.remove(&mesh);
+            self.report = None;
+        }
+    }
+
+    /// Notes if the crate's light functions light `mesh`.
+    fn set_lit(&mut self, mesh: MainEntity, is_lit: bool) {
+        let has_changed = if is_lit && self.by_mesh.contains_key(&mesh) {
+            self.lit.insert(mesh)
+        } else {
+            self.lit.remove(&mesh)
+        };
+        if has_changed {
             self.report = None;
         }
     }
@@ -125,7 +147,7 @@ impl CameraForwardMeshes {
     fn report(&mut self) -> &LeanForwardMeshes {
         let meshes = self.by_mesh.values();
         self.report
-            .get_or_insert_with(|| LeanForwardMeshes::of(meshes))
+            .get_or_insert_with(|| LeanForwardMeshes::of(meshes, self.lit.len()))
     }
 }
 
@@ -146,6 +168,13 @@ impl ForwardMeshes {
             return None;
         }
         Some(meshes)
+    }
+
+    /// Notes if the crate's light functions light `mesh` on a lean camera.
+    pub(super) fn set_lit(&mut self, camera: MainEntity, mesh: MainEntity, is_lit: bool) {
+        if let Some(meshes) = self.0.get_mut(&camera) {
+            meshes.set_lit(mesh, is_lit);
+        }
     }
 
     /// Forgets the meshes of cameras that are not rendered.
@@ -215,7 +244,14 @@ mod tests {
                 meshes.insert(mesh, material(index as u128), reason);
             }
         }
+        let entity = |index| MainEntity::from(Entity::from_raw_u32(index).expect("it is small"));
+        meshes.set_lit(entity(3), true);
+        meshes.set_lit(entity(4), true);
+        meshes.set_lit(entity(4), false);
+        // No such mesh is left to forward.
+        meshes.set_lit(entity(100_000), true);
         let report = meshes.report().clone();
+        assert_eq!(report.lit, 1);
         let others: usize = (9..20).sum();
         assert_eq!(
             report.counts,

@@ -41,6 +41,7 @@
 // - `specialize.rs`: looks up the pipeline of a mesh.
 // - `prewarm.rs`: requests the pipelines of all meshes while cameras are prewarmed.
 // - `queue.rs`: sorts meshes into the G-buffer or leaves them to Bevy.
+// - `left_meshes.rs`: the meshes that views leave to Bevy, for lighting.
 // - `forward_meshes.rs`: reports the meshes that are left to Bevy.
 // - `placement.rs`: places meshes in the passes of a view.
 // - `next_targets.rs`: prepares meshes for the targets that a view should have next.
@@ -61,6 +62,7 @@ mod demand;
 mod draw_functions;
 mod forward_meshes;
 mod forward_reason;
+mod left_meshes;
 mod lookup;
 mod material;
 mod mesh_overrides;
@@ -81,6 +83,7 @@ mod textures;
 mod usage;
 mod visibility_masks;
 
+pub(crate) use self::bevy::forward_draws::{ForwardDraw, ForwardDrawFunctions, ForwardDraws};
 use self::bevy::{
     batching::add_phase,
     depth_copy::{self, DepthCopySystems},
@@ -91,6 +94,7 @@ pub(crate) use demand::{ViewDemands, WantedDemand};
 use draw_functions::{DrawPlain, DrawWithVisibilityMask};
 pub use forward_meshes::LeanForwardMeshes;
 pub use forward_reason::ForwardReason;
+pub(crate) use left_meshes::LeftMeshes;
 pub use material::{GBufferMaterial, GBufferMaterialExtension};
 pub(crate) use moving::MovingMeshes;
 use phase_item::{
@@ -138,8 +142,9 @@ use ::bevy::{
 use crate::{
     shading_models,
     view::{
-        ActiveLeanView, EffectSystems, LeanDeferred, SharedPlugin, ViewTextureSystems,
-        depth_usage::extend_depth_usage, memory, pass_order::shadow_passes, removal,
+        ActiveLeanView, EffectSystems, ForwardMeshesQueued, LeanDeferred, SharedPlugin,
+        ViewTextureSystems, depth_usage::extend_depth_usage, memory, pass_order::shadow_passes,
+        removal,
     },
 };
 
@@ -186,6 +191,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<moving::MovingMeshes>()
             .init_resource::<ViewDemands>()
             .init_resource::<forward_meshes::ForwardMeshes>()
+            .init_resource::<LeftMeshes>()
             .init_resource::<SortedMeshes>()
             .init_resource::<prewarm::PrewarmedMeshes>()
             .init_resource::<specialize::RequestedPipelines>()
@@ -246,6 +252,7 @@ impl Plugin for GBufferPlugin {
                         .before(queue_material_meshes)
                         .before(queue_prepass_material_meshes),
                     pipeline_filter::restore_pipelines
+                        .in_set(ForwardMeshesQueued)
                         .in_set(RenderSystems::QueueMeshes)
                         .after(queue_material_meshes)
                         .after(queue_prepass_material_meshes),

@@ -31,6 +31,7 @@ use super::{
     draw_functions::GBufferDrawFunctions,
     forward_meshes::{CameraForwardMeshes, ForwardMeshes},
     forward_reason::ForwardReason,
+    left_meshes::{LeftMeshes, ViewLeftMeshes},
     lookup::{MeshLookup, MeshToQueue, RecentKinds},
     mesh_overrides::ChangedMeshes,
     phase::{GBufferPhases, GBufferViewPhases},
@@ -74,10 +75,11 @@ pub(super) fn queue_gbuffer_meshes(
         ResMut<PipelineFilter>,
     ),
     mut phases: GBufferPhases,
-    (mut pending_queues, mut demands, mut forward_meshes, mut count): (
+    (mut pending_queues, mut demands, mut forward_meshes, mut left, mut count): (
         ResMut<PendingGBufferQueues>,
         ResMut<ViewDemands>,
         ResMut<ForwardMeshes>,
+        ResMut<LeftMeshes>,
         ResMut<SortedMeshes>,
     ),
     mut draw_functions: GBufferDrawFunctions,
@@ -103,6 +105,7 @@ pub(super) fn queue_gbuffer_meshes(
     mut concerned: Local<Vec<MainEntity>>,
 ) {
     live_views.clear();
+    left.start_frame();
     pipelines.start_frame();
     if pipelines.are_of_another_device() {
         sorted.clear();
@@ -151,6 +154,7 @@ pub(super) fn queue_gbuffer_meshes(
             known_pipelines: &mut sorted.pipelines,
             demand: demands.of(retained),
             forward_meshes: forward_meshes.of(retained.main_entity, active.is_some()),
+            left: left.of(retained),
             view_key: *view_key,
             active,
             count: &mut count.0,
@@ -158,6 +162,7 @@ pub(super) fn queue_gbuffer_meshes(
         for &entity in dirty.iter_to_dequeue(retained, visible) {
             sorter.phases.remove(entity);
             sorter.demand.remove(entity);
+            sorter.left.removed.push(entity);
             sorter.forget_forward_reason(entity);
         }
 
@@ -210,6 +215,7 @@ pub(super) fn queue_gbuffer_meshes(
     pipeline_filter.show(&live_views, &mut bevy_pipelines);
     pending_queues.0.expire_stale_views(&live_views);
     forward_meshes.keep_only(|camera| live_views.iter().any(|view| view.main_entity == camera));
+    left.keep_only(|view| live_views.contains(view));
     sorted.retain(|view, _| live_views.contains(view));
     demands.retain(
         |view| live_views.contains(view),
@@ -245,6 +251,7 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     pub(super) demand: &'a mut ViewDemand,
     /// `None` if nobody asks for them, or if the view is not lean.
     forward_meshes: Option<&'a mut CameraForwardMeshes>,
+    left: &'a mut ViewLeftMeshes,
     pub(super) view_key: MeshPipelineKey,
     pub(super) active: Option<&'a ActiveLeanView>,
     count: &'a mut usize,
@@ -256,6 +263,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         if owner != QueueOwner::Nobody {
             self.phases.remove(entity);
         }
+        self.left.removed.push(entity);
         self.forget_forward_reason(entity);
         let lookup = self.lookup;
         let mesh = match lookup.find(entity, self.recent_kinds) {
@@ -363,6 +371,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
     ) {
         if let (Some(meshes), Some(reason)) = (&mut self.forward_meshes, reason) {
             meshes.insert(entity, mesh.material_id, reason);
+        }
+        if reason.is_some_and(|reason| reason != ForwardReason::Compiling) && self.active.is_some()
+        {
+            self.left.left.push(entity);
         }
         let is_strange = self.is_strange_to_bevy(mesh);
         if !is_strange {

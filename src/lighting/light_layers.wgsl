@@ -2,9 +2,13 @@
 // overridden to skip masked ones.
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
+#ifdef FORWARD_MESH
+#import bevy_lean_deferred::lighting::forward::bindings::light_layers
+#else
 #import bevy_lean_deferred::lighting::bindings::light_layers
-#import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::Pixel
+#endif
+#import bevy_lean_deferred::lighting::parts
 #import bevy_pbr::clustered_forward::get_clusterable_object_id
 #import bevy_pbr::light_probe
 #import bevy_pbr::light_probe::{LightProbeIterator, LightProbeQueryResult}
@@ -22,6 +26,12 @@
 /// Layers of the mesh at this invocation's pixel: layer 0, unless a mesh wrote others.
 var<private> mesh_layers: u32 = 1u;
 
+#ifdef FORWARD_MESH
+/// Sets the layers of the mesh that is drawn.
+fn enter_mesh(layers: u32) {
+    mesh_layers = layers;
+}
+#else
 fn enter_pixel(pixel: Pixel) {
 #ifdef GBUFFER_VISIBILITY_MASK
     if (pixel.valid_mask & VISIBILITY_MASK_VALID) != 0u {
@@ -29,6 +39,7 @@ fn enter_pixel(pixel: Pixel) {
     }
 #endif
 }
+#endif  // FORWARD_MESH
 
 fn affects_mesh(layers: u32) -> bool {
     return (layers & mesh_layers) != 0u || !parts::has(parts::LIGHT_LAYERS);

@@ -38,7 +38,9 @@
 // - `surface.wgsl`: unpacks the G-buffer for Bevy's lighting functions.
 // - `visibility.wgsl`: applies ambient occlusion.
 // - `debug_view.wgsl`: shows channels of the G-buffer or parts of the light in place of all light.
+// - `forward/`: lights meshes that Bevy's passes draw.
 // - `lights/`: the light of each kind of source.
+// - `lights/emission.wgsl`: emitted light.
 // - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
 // - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.
 // - `lights/screen_space_light.wgsl`: indirect light that other effects computed.
@@ -55,6 +57,8 @@ mod coverage;
 mod definitions;
 mod diffuse_light;
 mod features;
+#[doc(hidden)]
+pub mod forward;
 mod general;
 #[doc(hidden)]
 pub mod implied;
@@ -74,8 +78,10 @@ pub mod subsurface_light;
 mod tile_list;
 
 pub use crate::view::LightingPasses;
+pub use forward::define_lean_lighting;
 // For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
+use forward::ForwardLightPlugin;
 pub(crate) use level::LevelLights;
 pub(crate) use pass::lighting_pass;
 pub(crate) use pipeline::LightingPipelines;
@@ -124,6 +130,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "shade.wgsl");
         load_shader_library!(app, "debug_view.wgsl");
         load_shader_library!(app, "lights/lit.wgsl");
+        load_shader_library!(app, "lights/emission.wgsl");
         load_shader_library!(app, "lights/shading_point.wgsl");
         load_shader_library!(app, "lights/brdf.wgsl");
         load_shader_library!(app, "bevy/shadow_maps.wgsl");
@@ -136,6 +143,7 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "lights/indirect_light.wgsl");
         load_shader_library!(app, "lights/screen_space_light.wgsl");
         embedded_asset!(app, "lighting.wgsl");
+        app.add_plugins(ForwardLightPlugin);
 
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;

@@ -13,6 +13,7 @@
 #import bevy_lean_deferred::lighting::lights::{
     brdf::{LightAccumulator, lit_of},
     directional_light::{DirectionalShadows, add_directional_lights},
+    emission::emitted_light,
     screen_space_light::{ScreenSpaceLight, screen_space_light},
     indirect_light::add_indirect_light,
     lit::Lit,
@@ -42,10 +43,6 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::lighting::surface::is_unlit
-#endif
-
-#ifdef STANDARD_MATERIAL_CLEARCOAT
-#import bevy_pbr::lighting::F_Schlick
 #endif
 
 #ifdef SHADING_MODEL_RIM
@@ -277,13 +274,7 @@ fn emit(shaded: ptr<function, Shaded>, pixel: Pixel, light: vec3<f32>) {
 
 /// Emission and rim light, exposed.
 fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
-    let emissive = pbr.material.emissive;
-    var light = emissive.rgb * pbr.material.base_color.a * mix(1.0, view.exposure, emissive.a);
-#ifdef STANDARD_MATERIAL_CLEARCOAT
-    // Light emitted beneath the coat. For N·V above 1, F_Schlick is NaN, and so is its product with a coat of 0.
-    let NdotV = clamp(dot(pbr.N, pbr.V), 0.0001, 1.0);
-    light *= 1.0 - pbr.material.clearcoat * F_Schlick(0.04, 1.0, NdotV);
-#endif
+    var light = emitted_light(pbr);
 #ifdef SHADING_MODEL_RIM
     if unpack_shading_model(pixel.specialization_word) == RIM {
         let arguments = unpack_arguments(pixel.specialization_word);

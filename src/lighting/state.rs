@@ -29,6 +29,8 @@ pub struct ViewLighting {
     pub(super) tile_list: Option<TileList>,
     pub(super) light_layers: Option<StorageBuffer<LightLayersTable>>,
     pub(super) bindings: ViewLightingBindings,
+    /// The layers of lights, for meshes that Bevy's passes draw.
+    pub(super) forward_layers: CachedBindGroup,
 }
 
 impl ViewLighting {

@@ -86,7 +86,8 @@ pub use quality::{LeanQuality, LeanResolution, ParseLevelError};
 #[doc(hidden)]
 pub use schedule::DebugViewPasses;
 pub(crate) use schedule::{
-    ExposureOverlayPasses, ExposurePasses, HistoryPasses, IndirectLightPasses, ViewTextureSystems,
+    ExposureOverlayPasses, ExposurePasses, ForwardMeshesQueued, HistoryPasses, IndirectLightPasses,
+    ViewTextureSystems,
 };
 pub use schedule::{GBufferPasses, LeanViewSystems, LightingPasses, OpaquePicturePasses};
 pub(crate) use settings::require_lean;

@@ -12,6 +12,10 @@ pub struct LeanViewSystems;
 #[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct ViewTextureSystems;
 
+/// The last system that queues meshes of lean views for Bevy's passes; in `RenderSystems::QueueMeshes`.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct ForwardMeshesQueued;
+
 /// The passes that draw the G-buffer, in `Core3d`. They run after all other systems before `Core3dSystems::MainPass`,
 /// which may have drawn colour and depth. Systems that are ordered after Bevy's prepass run later and see lean meshes
 /// in it.

@@ -74,8 +74,8 @@ pub struct LeanDeferred {
     ///
     /// Bevy's forward pass tests only if the camera shares a layer with a light. The two differ on cameras that see
     /// several layers when a light has some but not all of these. In other cases, and without such lights, this costs
-    /// nothing. Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's
-    /// forward pass draws, such as transparent ones, are lit as in Bevy.
+    /// nothing. Lights without the component affect all meshes. Layers from 31 on count as one. Meshes that Bevy's fragment shader
+    /// lights (`docs/limits.md`) are lit as in Bevy.
     pub light_layers: bool,
     /// Settings that few games change.
     pub advanced: LeanDeferredAdvanced,
@@ -97,11 +97,24 @@ impl CameraEffect for LeanDeferred {
 }
 
 /// Settings of [`LeanDeferred`] that few games change.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct LeanDeferredAdvanced {
     /// Culling of point and spot lights that do not reach a pixel. Default: [`LightCulling::Auto`].
     pub light_culling: LightCulling,
+    /// Lights blended meshes, and others of `StandardMaterial` that Bevy's passes draw, by this crate's light functions: those skip
+    /// lights that do not reach a pixel, and respect light layers. If false, Bevy's fragment shader lights them. The picture is
+    /// the same but for layers. Default: true.
+    pub lights_forward_meshes: bool,
+}
+
+impl Default for LeanDeferredAdvanced {
+    fn default() -> Self {
+        Self {
+            light_culling: default(),
+            lights_forward_meshes: true,
+        }
+    }
 }
 
 /// Culling of point and spot lights that do not reach a pixel. All variants give the same picture.

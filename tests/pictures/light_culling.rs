@@ -27,7 +27,10 @@ const CULLING: [LightCulling; 3] = [
 fn lean(headless: &mut Headless, light_culling: LightCulling) -> (Picture, Vec<Light>) {
     change_cameras(headless, |camera| {
         camera.insert(LeanDeferred {
-            advanced: LeanDeferredAdvanced { light_culling },
+            advanced: LeanDeferredAdvanced {
+                light_culling,
+                ..default()
+            },
             ..default()
         });
     });

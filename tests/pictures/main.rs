@@ -11,6 +11,7 @@ mod debug_views;
 mod decals;
 mod far_plane;
 mod foreign_depth;
+mod forward_light;
 mod fragment_shaders;
 mod light_culling;
 mod light_layers;

@@ -312,6 +312,7 @@ fn scaled_cameras_match_forward() {
                 camera.insert(LeanDeferred {
                     advanced: LeanDeferredAdvanced {
                         light_culling: LightCulling::SharedMemory,
+                        ..default()
                     },
                     ..default()
                 });

@@ -23,14 +23,16 @@ use bevy_lean_deferred::{
         bevy::definitions::{
             OF_BINDINGS, OF_MESHES, VIEW_BITS, name_of, of_mesh_pipeline, read_by_lighting,
         },
+        forward::definitions as forward_definitions,
         implied::{self, implied_by},
     },
     shading_models::MODELS,
 };
 use covering::{Factor, RANDOM_ROWS, covering_rows};
 use factors::{
-    EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
-    OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, definitions, with_implied,
+    EXPOSURE, FORWARD, FORWARD_ALWAYS, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW,
+    OCCLUSION_GATHER, OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, definitions,
+    with_implied,
 };
 use kit::headless::Headless;
 use naga::{
@@ -230,6 +232,32 @@ fn gbuffer_permutations_validate() {
             ("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16),
         ],
     );
+}
+
+/// Definitions that meshes of Bevy's passes always have.
+fn forward_always() -> Vec<&'static str> {
+    [&FORWARD_ALWAYS[..], &forward_definitions::ALWAYS].concat()
+}
+
+#[test]
+fn forward_permutations_validate() {
+    check_permutations(
+        include_str!("../../src/lighting/forward/forward.wgsl"),
+        "src/lighting/forward/forward.wgsl",
+        FORWARD,
+        &forward_always(),
+        &[
+            ("MATERIAL_BIND_GROUP", 3),
+            ("AVAILABLE_STORAGE_BUFFER_BINDINGS", 16),
+        ],
+    );
+}
+
+#[test]
+fn every_definition_of_the_forward_shader_is_tried() {
+    let tried = tried(FORWARD, &forward_always());
+    let definitions = include_str!("../../src/lighting/forward/definitions.rs");
+    assert_all_tried("definitions.rs", definitions, &tried);
 }
 
 #[test]

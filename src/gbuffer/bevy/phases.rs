@@ -13,8 +13,8 @@ use bevy::{
     material::RenderPhaseType,
     pbr::{
         MainPassAlphaMaskDrawFunction, MainPassOpaqueDrawFunction,
-        PrepassOpaqueDepthOnlyDrawFunction, SpecializedMaterialViewPipelineCache,
-        SpecializedPrepassMaterialViewPipelineCache, Transmissive3d,
+        PrepassOpaqueDepthOnlyDrawFunction, SpecializedPrepassMaterialViewPipelineCache,
+        Transmissive3d,
     },
     prelude::*,
     render::{
@@ -23,12 +23,13 @@ use bevy::{
             BinnedPhaseItem, BinnedRenderPhase, BinnedRenderPhaseType, ViewBinnedRenderPhases,
             ViewSortedRenderPhases,
         },
+        render_resource::CachedRenderPipelineId,
         sync_world::MainEntity,
         view::RetainedViewEntity,
     },
 };
 
-use super::queue_rules::is_extracted;
+use super::{forward_draws::ForwardDrawFunctions, queue_rules::is_extracted};
 use crate::{gbuffer::lookup::MeshToQueue, gpu::named::system_param, view::LeanDeferred};
 
 system_param! {
@@ -78,19 +79,16 @@ impl BevyViewPhases<'_> {
         }
     }
 
-    /// Queues `mesh` for the forward renderer in place of any earlier entry. Mirrors Bevy's `queue_material_meshes` for
-    /// opaque and alpha-masked meshes whose method is `Forward`.
+    /// Queues `mesh` for the forward renderer in place of any earlier entry, with draw functions in place of Bevy's if there are
+    /// any. Mirrors Bevy's `queue_material_meshes` for opaque and alpha-masked meshes whose method is `Forward`.
     pub(in crate::gbuffer) fn put_into_main(
         &mut self,
         entity: MainEntity,
         mesh: &MeshToQueue,
         phase_type: BinnedRenderPhaseType,
-        pipelines: &SpecializedMaterialViewPipelineCache,
+        pipeline: CachedRenderPipelineId,
+        draw_functions: Option<ForwardDrawFunctions>,
     ) {
-        let Some(&pipeline) = pipelines.get(&entity) else {
-            // Bevy waits for the pipeline too and then queues the mesh.
-            return;
-        };
         let properties = &mesh.material.properties;
         let entities = (Entity::PLACEHOLDER, entity);
         let material_bind_group_index = Some(mesh.material.binding.group.0);
@@ -101,7 +99,8 @@ impl BevyViewPhases<'_> {
                 remove(&mut self.opaque, entity);
                 if let (Some(phase), Some(draw_function)) = (
                     &mut self.opaque,
-                    properties.get_draw_function(MainPassOpaqueDrawFunction),
+                    (draw_functions.map(|functions| functions.opaque))
+                        .or_else(|| properties.get_draw_function(MainPassOpaqueDrawFunction)),
                 ) {
                     let lightmap_slab = mesh.instance.lightmap_slab_index().map(|index| *index);
                     let key = Opaque3dBatchSetKey {
@@ -119,7 +118,8 @@ impl BevyViewPhases<'_> {
                 remove(&mut self.alpha_mask, entity);
                 if let (Some(phase), Some(draw_function)) = (
                     &mut self.alpha_mask,
-                    properties.get_draw_function(MainPassAlphaMaskDrawFunction),
+                    (draw_functions.map(|functions| functions.alpha_mask))
+                        .or_else(|| properties.get_draw_function(MainPassAlphaMaskDrawFunction)),
                 ) {
                     let key = OpaqueNoLightmap3dBatchSetKey {
                         pipeline,

@@ -148,8 +148,10 @@ pub(in crate::gbuffer) fn restore_pipelines(
             };
             let phase_type =
                 BinnedRenderPhaseType::mesh(found.instance.should_batch(), &gpu_preprocessing);
-            if let Some(main) = main.filter(|_| into_main) {
-                phases.put_into_main(mesh, &found, phase_type, main);
+            // Without a pipeline, Bevy waits for it too and then queues the mesh.
+            let pipeline = main.filter(|_| into_main).and_then(|main| main.get(&mesh));
+            if let Some(&pipeline) = pipeline {
+                phases.put_into_main(mesh, &found, phase_type, pipeline, None);
             }
             if let Some(prepass) = prepass {
                 phases.put_into_prepass(mesh, &found, phase_type, prepass);

@@ -17,16 +17,18 @@
 #endif
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
-#import bevy_lean_deferred::gbuffer::layout::{unpack_has_mesh_normal, unpack_normal}
 #import bevy_lean_deferred::lighting::bevy::shadow_maps::directional_shadow
+#import bevy_lean_deferred::lighting::lights::shading_point::geometric_normal
+#ifndef FORWARD_MESH
+#import bevy_lean_deferred::gbuffer::layout::{unpack_has_mesh_normal, unpack_normal}
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
-#endif
-
 #ifdef CLUSTERED_DECALS_ARE_USABLE
 #import bevy_pbr::clustered_forward::{
     unpack_clusterable_object_index_ranges, view_fragment_cluster_index,
 }
 #import bevy_pbr::decal::clustered::{clustered_decal_iterator_new, clustered_decal_iterator_next}
+#endif
+#endif
 #endif
 
 #ifdef CONTACT_SHADOWS
@@ -35,7 +37,7 @@
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::brdf::response_from_behind
-#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, geometric_normal, transmits}
+#import bevy_lean_deferred::lighting::lights::shading_point::{back_position, transmits}
 #endif
 
 /// Colour of the light at `position`, after its texture and the atmosphere.
@@ -80,7 +82,7 @@ fn has_shadow_map(id: u32) -> bool {
 }
 #endif
 
-/// Visibility of directional lights in their shadow maps.
+/// Visibility of directional lights in their shadow maps. Unused by meshes of Bevy's passes.
 struct DirectionalShadows {
 #ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
     /// By the light's index.
@@ -93,6 +95,7 @@ struct DirectionalShadows {
 }
 
 #ifdef DIRECTIONAL_SHADOW_MAPS
+#ifndef FORWARD_MESH
 fn set_visibility(shadows: ptr<function, DirectionalShadows>, id: u32, visibility: f32) {
 #ifdef SEVERAL_DIRECTIONAL_SHADOW_MAPS
     (*shadows).visibility[id] = visibility;
@@ -171,7 +174,8 @@ fn decals_may_turn_normal(pixel: vec2<i32>, position: vec3<f32>, view_z: f32) ->
     return false;
 }
 #endif
-#endif
+#endif  // FORWARD_MESH
+#endif  // DIRECTIONAL_SHADOW_MAPS
 
 fn add_directional_lights(
     point: ptr<function, ShadingPoint>,
@@ -203,6 +207,20 @@ fn add_directional_lights(
     }
 }
 
+#ifdef DIRECTIONAL_SHADOW_MAPS
+#ifdef FORWARD_MESH
+/// Visibility of the light in its shadow map. Meshes of Bevy's passes know the normal for the bias without reading depth, so that
+/// there is nothing to compute before other terms.
+fn shadow_at(point: ptr<function, ShadingPoint>, id: u32) -> f32 {
+    if !has_shadow_map(id) {
+        return 1.0;
+    }
+    let normal = geometric_normal(point);
+    return directional_shadow(id, (*point).position, normal, (*point).view_z, (*point).pixel);
+}
+#endif
+#endif
+
 fn add_directional_light(
     point: ptr<function, ShadingPoint>,
     id: u32,
@@ -215,7 +233,11 @@ fn add_directional_light(
 #ifdef SHADOWS
     if (*point).receives_shadows {
 #ifdef DIRECTIONAL_SHADOW_MAPS
+#ifdef FORWARD_MESH
+        shadow = shadow_at(point, id);
+#else
         shadow = visibility_of(shadows, id);
+#endif
 #endif
 #ifdef CONTACT_SHADOWS
         let has_contact_shadows = (view_bindings::lights.directional_lights[id].flags

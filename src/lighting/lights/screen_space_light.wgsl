@@ -1,12 +1,14 @@
 // Indirect light that other effects computed for the pixel.
 #define_import_path bevy_lean_deferred::lighting::lights::screen_space_light
 
+#ifndef FORWARD_MESH
 #import bevy_lean_deferred::gbuffer::layout::is_nan
 #import bevy_lean_deferred::gbuffer::layout::light::LARGEST_HALF
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
+#endif
 
 #ifdef INDIRECT_SPECULAR
 #import bevy_lean_deferred::lighting::bindings::indirect_specular_texture
@@ -32,10 +34,17 @@ struct ScreenSpaceLight {
     material_visibility: vec3<f32>,
 }
 
-fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpaceLight {
+/// No light of other effects, and nothing that they hide.
+fn no_screen_space_light(material_visibility: vec3<f32>) -> ScreenSpaceLight {
     var found: ScreenSpaceLight;
     found.visibility = 1.0;
     found.material_visibility = material_visibility;
+    return found;
+}
+
+#ifndef FORWARD_MESH
+fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpaceLight {
+    var found = no_screen_space_light(material_visibility);
 #ifdef INDIRECT_LIGHT
     let place = pixel.position - vec2<i32>(uniforms.viewport_origin);
 #endif
@@ -66,6 +75,7 @@ fn finite(texel: vec4<f32>) -> vec4<f32> {
     let number = select(texel, vec4(0.0), is_nan(texel.r + texel.g + texel.b + texel.a));
     return clamp(number, vec4(0.0), vec4(LARGEST_HALF));
 }
+#endif  // FORWARD_MESH
 
 #ifdef INDIRECT_DIFFUSE
 fn indirect_diffuse(place: vec2<i32>, depth: f32) -> vec4<f32> {

@@ -1,7 +1,6 @@
 // A point on a surface, with the terms that all lights share.
 #define_import_path bevy_lean_deferred::lighting::lights::shading_point
 
-#import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::{
     lighting::{F_AB, perceptualRoughnessToRoughness},
     mesh_types::{MESH_FLAGS_SHADOW_RECEIVER_BIT, MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT},
@@ -9,18 +8,19 @@
     pbr_types::{PbrInput, StandardMaterial},
 }
 
+#ifndef FORWARD_MESH
+#import bevy_lean_deferred::lighting::surface::Pixel
 #ifdef GEOMETRIC_NORMAL
 #import bevy_lean_deferred::gbuffer::layout::unpack_has_mesh_normal
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
-
 #ifdef LIGHTMAPPED_SURFACES
 #import bevy_lean_deferred::lighting::surface::has_lightmap
 #endif
-
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::layout::specialization
+#endif
 #endif
 
 /// Cluster of pixels that no light reaches.
@@ -77,8 +77,12 @@ struct ShadingPoint {
     is_anisotropic: bool,
     anisotropy: f32,
     tangent: vec3<f32>,
+#ifdef FORWARD_MESH
+    bitangent: vec3<f32>,
+#else
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     bitangent: vec3<f32>,
+#endif
 #endif
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
@@ -103,18 +107,16 @@ fn smith(roughness: f32, cosine: f32) -> f32 {
     return sqrt((cosine - square * cosine) * cosine + square);
 }
 
-fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
+/// The terms that follow from `pbr` alone.
+fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     let material = pbr.material;
     var point: ShadingPoint;
-    point.pixel = pixel.position;
-    point.depth = pixel.depth;
     point.position = pbr.world_position.xyz;
     point.view_z = view_z;
     point.N = pbr.N;
 #ifdef GEOMETRIC_NORMAL
     // Decals change `pbr.N` alone.
     point.geometric_normal = pbr.world_normal;
-    point.knows_geometric_normal = unpack_has_mesh_normal(pixel.surface_word);
 #endif
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
@@ -131,32 +133,25 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.view_fresnel = fifth_power(1.0 - point.NdotV);
     point.view_smith = smith(point.roughness, point.NdotV);
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
-#ifdef LIGHTMAPPED_SURFACES
-    point.is_lightmapped = has_lightmap(pixel);
-#endif
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     point.clearcoat = material.clearcoat;
     point.clearcoat_perceptual_roughness = material.clearcoat_perceptual_roughness;
     point.clearcoat_roughness = perceptualRoughnessToRoughness(material.clearcoat_perceptual_roughness);
 #endif
 #ifdef STANDARD_MATERIAL_ANISOTROPY
-    let model = specialization::unpack_shading_model(pixel.specialization_word);
-    point.is_anisotropic = model == specialization::ANISOTROPY;
     point.anisotropy = pbr.anisotropy_strength;
     point.tangent = pbr.anisotropy_T;
+#ifdef FORWARD_MESH
+    point.bitangent = pbr.anisotropy_B;
+#else
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     point.bitangent = pbr.anisotropy_B;
+#endif
 #endif
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     point.transmits = any(point.transmitted_color != vec3(0.0));
     point.thickness = material.thickness;
-#ifdef GEOMETRIC_NORMAL
-    if transmits(&point) {
-        let normal = geometric_normal(&point);
-        point.geometric_normal = normal;
-    }
-#endif
     point.back_receives_shadows = point.receives_shadows
         && (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
 #endif
@@ -183,6 +178,61 @@ fn set_colors(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// Sets the geometric normal of a surface that transmits light, which `back_position` reads.
+fn set_normal_of_back(point: ptr<function, ShadingPoint>) {
+#ifdef GEOMETRIC_NORMAL
+    if transmits(point) {
+        let normal = geometric_normal(point);
+        (*point).geometric_normal = normal;
+    }
+#endif
+}
+#endif
+
+#ifdef FORWARD_MESH
+/// A point on a mesh that Bevy's passes draw: the pipeline is compiled for its material alone, and its normal is interpolated.
+fn shading_point(pbr: PbrInput, view_z: f32) -> ShadingPoint {
+    var point = common_terms(pbr, view_z);
+    point.pixel = vec2<i32>(pbr.frag_coord.xy);
+    point.depth = pbr.frag_coord.z;
+#ifdef GEOMETRIC_NORMAL
+    point.knows_geometric_normal = true;
+#endif
+#ifdef LIGHTMAPPED_SURFACES
+    point.is_lightmapped = true;
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    point.is_anisotropic = true;
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    set_normal_of_back(&point);
+#endif
+    return point;
+}
+#else   // FORWARD_MESH
+/// A point on the surface at a pixel of the G-buffer.
+fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
+    var point = common_terms(pbr, view_z);
+    point.pixel = pixel.position;
+    point.depth = pixel.depth;
+#ifdef GEOMETRIC_NORMAL
+    point.knows_geometric_normal = unpack_has_mesh_normal(pixel.surface_word);
+#endif
+#ifdef LIGHTMAPPED_SURFACES
+    point.is_lightmapped = has_lightmap(pixel);
+#endif
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    let model = specialization::unpack_shading_model(pixel.specialization_word);
+    point.is_anisotropic = model == specialization::ANISOTROPY;
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    set_normal_of_back(&point);
+#endif
+    return point;
+}
+#endif  // FORWARD_MESH
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 fn transmits(point: ptr<function, ShadingPoint>) -> bool {
     return (*point).transmits;
 }
@@ -200,15 +250,28 @@ fn back_position(point: ptr<function, ShadingPoint>) -> vec3<f32> {
 #ifdef STANDARD_MATERIAL_ANISOTROPY
 /// As `anisotropy::specialize` sets it, so that no registers keep it. Decals turn the normal only.
 fn bitangent_at(point: ptr<function, ShadingPoint>) -> vec3<f32> {
+#ifdef FORWARD_MESH
+    return (*point).bitangent;
+#else
 #ifdef CLUSTERED_DECALS_ARE_USABLE
     return (*point).bitangent;
 #else
     return cross((*point).N, (*point).tangent);
 #endif
+#endif
 }
 #endif
 
+#ifdef FORWARD_MESH
+/// The interpolated normal, as Bevy has it: not of unit length.
+fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
+    return (*point).geometric_normal;
+#else
+    return (*point).N;
+#endif
+}
+#else ifdef GEOMETRIC_NORMAL
 /// Evaluated lazily: in many pixels no light with shadows reaches the surface. The shading normal where nothing casts shadows.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     if !parts::has(parts::SHADOW_MAPS) {

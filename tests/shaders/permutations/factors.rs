@@ -312,6 +312,108 @@ const WHAT_IS_DRAWN: Factor = &[
     &["LIGHTMAP", "GBUFFER_SPECIALIZATION"],
 ];
 
+/// Definitions of Bevy's `MeshPipeline` and `StandardMaterial` for a mesh that Bevy's passes draw on a lean view, and those of
+/// `lighting/forward/definitions.rs`.
+pub const FORWARD: &[Factor] = &[
+    &[
+        &[],
+        &["VERTEX_UVS_A"],
+        &["VERTEX_UVS_A", "VERTEX_TANGENTS"],
+        &["VERTEX_UVS_A", "VERTEX_UVS_B", "VERTEX_TANGENTS"],
+    ],
+    optional!("VERTEX_COLORS"),
+    optional!("MAY_DISCARD"),
+    optional!("VISIBILITY_RANGE_DITHER"),
+    &[
+        &[],
+        &["PREMULTIPLY_ALPHA", "BLEND_PREMULTIPLIED_ALPHA"],
+        &["PREMULTIPLY_ALPHA", "BLEND_MULTIPLY"],
+    ],
+    &[
+        &[],
+        &[
+            "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+            "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+        ],
+        &[
+            "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+            "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+            "BINDLESS",
+        ],
+    ],
+    optional!("ENVIRONMENT_MAP"),
+    &[
+        &[],
+        &["IRRADIANCE_VOLUMES_ARE_USABLE"],
+        &["IRRADIANCE_VOLUMES_ARE_USABLE", "IRRADIANCE_VOLUME"],
+    ],
+    optional!("SCREEN_SPACE_AMBIENT_OCCLUSION"),
+    &[
+        &[],
+        &["DEPTH_PREPASS"],
+        &["DEPTH_PREPASS", "CONTACT_SHADOWS"],
+    ],
+    optional!("DISTANCE_FOG"),
+    optional!("ATMOSPHERE"),
+    &[
+        &["SHADOW_FILTER_METHOD_HARDWARE_2X2"],
+        &["SHADOW_FILTER_METHOD_GAUSSIAN"],
+        &["SHADOW_FILTER_METHOD_TEMPORAL"],
+    ],
+    &[&[], &["PCSS_SAMPLERS_AVAILABLE", "SOFT_SHADOWS"]],
+    optional!("BLUE_NOISE_TEXTURE"),
+    optional!("DFG_LUT"),
+    optional!("AREA_LIGHT_LUTS"),
+    &[
+        &[],
+        &["CLUSTERED_DECALS_ARE_USABLE", "VERTEX_UVS_A"],
+        &[
+            "CLUSTERED_DECALS_ARE_USABLE",
+            "VERTEX_UVS_A",
+            "LIGHT_TEXTURES",
+        ],
+    ],
+    &[&[], &["LIGHT_LAYERS", "MESH_LAYERS=5"]],
+    &[
+        &["VIEW_PROJECTION_NONSTANDARD"],
+        &["VIEW_PROJECTION_PERSPECTIVE"],
+        &["VIEW_PROJECTION_ORTHOGRAPHIC"],
+    ],
+    optional!("STANDARD_MATERIAL_NORMAL_MAP"),
+    optional!("RELIEF_MAPPING"),
+    &[
+        &[],
+        &["STANDARD_MATERIAL_CLEARCOAT"],
+        &["STANDARD_MATERIAL_ANISOTROPY"],
+        &["STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"],
+        &[
+            "STANDARD_MATERIAL_CLEARCOAT",
+            "STANDARD_MATERIAL_ANISOTROPY",
+            "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+        ],
+    ],
+    // Bevy's `environment_map.wgsl` does not compile with a lightmap and without arrays.
+    &[
+        &[],
+        &[
+            "LIGHTMAP",
+            "LIGHTMAPPED_SURFACES",
+            "MULTIPLE_LIGHTMAPS_IN_ARRAY",
+            "MULTIPLE_LIGHT_PROBES_IN_ARRAY",
+            "VERTEX_UVS_A",
+            "VERTEX_UVS_B",
+        ],
+    ],
+];
+
+/// Definitions that these meshes always have, beside those that `definitions.rs` there always sets.
+pub const FORWARD_ALWAYS: [&str; 4] = [
+    "MESH_PIPELINE",
+    "VERTEX_OUTPUT_INSTANCE_INDEX",
+    "VERTEX_POSITIONS",
+    "VERTEX_NORMALS",
+];
+
 /// Definitions of `MotionResolvePipelines` for a view with motion vectors.
 pub const MOTION_RESOLVE: &[Factor] = &[optional!("LATE"), optional!("GBUFFER_MOTION")];
 

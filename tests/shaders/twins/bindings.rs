@@ -21,6 +21,9 @@ use super::{
 /// Files whose bindings have no Rust counterpart: an example of the documentation, which includes its own Rust.
 const NOT_COMPARED: [&str; 1] = ["gbuffer/custom_material.wgsl"];
 
+/// The shader of the lighting pass.
+const LIGHTING: &str = "lighting/lighting";
+
 /// Number of a binding, and the place of its declaration if it is the crate's.
 type Binding = (u32, Option<Place>);
 
@@ -92,23 +95,29 @@ fn numbers_of_shading_extension() -> [(&'static str, u32); 3] {
 fn bindings_of_the_view_have_bevys_numbers() {
     use bevy_lean_deferred::lighting::bevy::binding_numbers::{arrays, view};
     let bevys = Some("bevy_pbr::mesh_view_bindings");
-    let found = bindings("lighting/", 0, bevys);
+    let found = bindings(LIGHTING, 0, bevys);
     for (name, number) in view::ALL {
         let expected = (!view::UNUSED.contains(number)).then_some(number);
         let found = found.get(*name).map(|(number, _)| number);
         assert_eq!(found, expected, "{name}");
     }
     let ours: BTreeMap<&str, u32> = arrays::ALL.iter().copied().collect();
-    assert_eq!(ours, numbers(&bindings("lighting/", 1, bevys)));
+    assert_eq!(ours, numbers(&bindings(LIGHTING, 1, bevys)));
 }
 
 #[test]
 fn bindings_have_the_numbers_of_their_names() {
+    use bevy_lean_deferred::lighting::forward::binding_numbers as forward;
     use gbuffer::binding_numbers::{pack, resolve_motion};
     use lighting_numbers::{list, targets};
     let compared = [
-        compare("lighting/", 2, targets::ALL),
-        compare("lighting/", 3, list::ALL),
+        compare(LIGHTING, 2, targets::ALL),
+        compare(LIGHTING, 3, list::ALL),
+        compare(
+            "lighting/forward/",
+            forward::LIGHT_LAYERS_GROUP,
+            forward::ALL,
+        ),
         compare(
             "effects/ambient_occlusion/",
             0,

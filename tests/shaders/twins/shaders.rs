@@ -156,6 +156,20 @@ pub fn all() -> &'static [Composed] {
                 "DEBUG_MOTION",
             ]),
             shader!(
+                "lighting/forward/forward.wgsl",
+                "FORWARD_MESH",
+                "LIGHT_LAYERS",
+                "MESH_LAYERS=1",
+                "MESH_PIPELINE",
+                "VERTEX_OUTPUT_INSTANCE_INDEX",
+                "VERTEX_POSITIONS",
+                "VERTEX_NORMALS",
+                "SHADOW_FILTER_METHOD_GAUSSIAN",
+                "VIEW_PROJECTION_NONSTANDARD",
+                "MATERIAL_BIND_GROUP=3",
+                "AVAILABLE_STORAGE_BUFFER_BINDINGS=16"
+            ),
+            shader!(
                 "effects/ambient_occlusion/gather.wgsl",
                 "COMPUTE",
                 "SHARED_DEPTHS",

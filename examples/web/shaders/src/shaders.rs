@@ -6,7 +6,7 @@ use super::{
     Definitions,
     covering::{Factor, covering_rows},
     factors::{
-        EXPOSURE, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
+        EXPOSURE, FORWARD, FORWARD_ALWAYS, GBUFFER, LIGHTING, MOTION_RESOLVE, OCCLUSION_DEBUG_VIEW, OCCLUSION_GATHER,
         OCCLUSION_GATHER_SHARED, OCCLUSION_MERGE, SHARES_DEPTHS, definitions,
     },
 };
@@ -123,6 +123,7 @@ fn passes() -> Vec<Shader> {
     let exposure = || rows(EXPOSURE, "");
     vec![
         ("lighting/lighting.wgsl", lighting),
+        ("lighting/forward/forward.wgsl", forward()),
         ("gbuffer/gbuffer.wgsl", rows(GBUFFER, GBUFFER_ALWAYS)),
         ("gbuffer/resolve_motion.wgsl", rows(MOTION_RESOLVE, resolve)),
         (
@@ -141,6 +142,19 @@ fn passes() -> Vec<Shader> {
         ("effects/auto_exposure/adapt.wgsl", exposure()),
         ("effects/auto_exposure/overlay.wgsl", exposure()),
     ]
+}
+
+/// Meshes that Bevy's passes draw.
+fn forward() -> Vec<Definitions> {
+    let always = format!(
+        "{} FORWARD_MESH SPOT_LIGHTS SPHERE_LIGHTS DIRECTIONAL_SHADOW_MAPS POINT_SHADOW_MAPS SPOT_SHADOW_MAPS \
+         MATERIAL_BIND_GROUP=3 AVAILABLE_STORAGE_BUFFER_BINDINGS=8",
+        FORWARD_ALWAYS.join(" ")
+    );
+    let mut rows = rows(FORWARD, &always);
+    // Bevy's own shader does not compile with both, without binding arrays.
+    rows.retain(|row| !(row.contains_key("LIGHTMAP") && row.contains_key("ENVIRONMENT_MAP")));
+    rows
 }
 
 fn screen_space() -> Vec<Shader> {

@@ -1,0 +1,10 @@
+//! Binding numbers of the crate's own bind group of meshes that Bevy's passes draw.
+
+use crate::gpu::bindings::binding_numbers;
+
+/// The bind group, after Bevy's four.
+pub const LIGHT_LAYERS_GROUP: usize = 4;
+
+binding_numbers! {
+    LIGHT_LAYERS = 0,
+}

@@ -1,0 +1,87 @@
+//! Lets shaders of apps light by the light functions.
+
+use bevy::render::render_resource::RenderPipelineDescriptor;
+
+use super::definitions::extend;
+use crate::gpu::shader_defs::name_of;
+
+/// Lets the fragment shader of a material light by this crate's light functions in Bevy's passes, on cameras of any kind: call it in
+/// `specialize` of the material or of its extension, and `apply_lean_lighting` in the shader in place of Bevy's `apply_pbr_lighting`.
+///
+/// The functions skip lights that do not reach a pixel before they compute anything else; the light is the same. They leave out
+/// specular transmission, and take `N` for the normal of a clear coat. Light layers apply to meshes of `StandardMaterial` only.
+/// Pipelines of prepasses stay as they are. Without the call, `apply_lean_lighting` is `apply_pbr_lighting`.
+///
+/// ```
+/// use bevy::{
+///     mesh::MeshVertexBufferLayoutRef,
+///     pbr::{Material, MaterialPipeline, MaterialPipelineKey},
+///     prelude::*,
+///     reflect::TypePath,
+///     render::render_resource::{
+///         AsBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError,
+///     },
+///     shader::ShaderRef,
+/// };
+/// use bevy_lean_deferred::lighting::define_lean_lighting;
+///
+/// /// Water that shows what is below it.
+/// #[derive(Asset, AsBindGroup, TypePath, Clone)]
+/// struct Lagoon {
+///     #[uniform(0)]
+///     color: LinearRgba,
+/// }
+///
+/// impl Material for Lagoon {
+///     fn fragment_shader() -> ShaderRef {
+///         "shaders/lagoon.wgsl".into()
+///     }
+///
+///     fn alpha_mode(&self) -> AlphaMode {
+///         AlphaMode::Blend
+///     }
+///
+///     fn specialize(
+///         _: &MaterialPipeline,
+///         descriptor: &mut RenderPipelineDescriptor,
+///         _: &MeshVertexBufferLayoutRef,
+///         _: MaterialPipelineKey<Self>,
+///     ) -> Result<(), SpecializedMeshPipelineError> {
+///         define_lean_lighting(descriptor);
+///         Ok(())
+///     }
+/// }
+/// ```
+///
+/// ```wgsl
+/// // assets/shaders/lagoon.wgsl
+/// #import bevy_lean_deferred::lighting::forward::light::apply_lean_lighting
+/// #import bevy_pbr::{
+///     forward_io::{FragmentOutput, VertexOutput},
+///     pbr_fragment::pbr_input_from_vertex_output,
+///     pbr_functions::main_pass_post_lighting_processing,
+/// }
+///
+/// @group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> color: vec4<f32>;
+///
+/// @fragment
+/// fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
+///     var pbr_input = pbr_input_from_vertex_output(in, is_front, false);
+///     pbr_input.material.base_color = color;
+///     pbr_input.material.perceptual_roughness = 0.1;
+///     let lit = apply_lean_lighting(pbr_input);
+///     return FragmentOutput(main_pass_post_lighting_processing(pbr_input, lit));
+/// }
+/// ```
+pub fn define_lean_lighting(descriptor: &mut RenderPipelineDescriptor) {
+    let Some(fragment) = &mut descriptor.fragment else {
+        return;
+    };
+    let mut definitions = fragment.shader_defs.iter();
+    if definitions.all(|definition| name_of(definition) != PREPASS) {
+        extend(&mut fragment.shader_defs, None);
+    }
+}
+
+/// Bevy's definition in pipelines of prepasses.
+const PREPASS: &str = "PREPASS_PIPELINE";

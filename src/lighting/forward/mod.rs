@@ -1,0 +1,81 @@
+//! Lights meshes that Bevy's passes draw on lean cameras: blended ones, and others that the G-buffer does not carry.
+//!
+//! Bevy's fragment shader lights a pixel by all lights of its cluster. Here, the pipeline of such a mesh is replaced by Bevy's own
+//! with another fragment shader (`forward.wgsl`), which lights by the functions in `lights/`: they skip lights out of range before
+//! anything else is computed, and respect light layers. Vertex shader, bind groups, blending and depth are Bevy's, and the mesh
+//! stays in Bevy's phase, in its order. Meshes whose fragment shader is not that of `StandardMaterial` keep their own, as do those that
+//! [`BevyLitReason`] lists.
+
+// - `reasons.rs`: the reasons for which Bevy's fragment shader lights a mesh.
+// - `definitions.rs`: shader definitions.
+// - `material.rs`: lets shaders of apps call the light functions.
+// - `pipelines.rs`: the pipelines, by Bevy's.
+// - `queue.rs`: replaces the pipelines of meshes that Bevy has queued.
+// - `layers.rs`: binds the layers of lights.
+// - `binding_numbers.rs`, `bindings.wgsl`: the crate's own bind group.
+// - `light.wgsl`: the light of a surface, also for shaders of apps.
+// - `forward.wgsl`: the fragment shader.
+
+#[doc(hidden)]
+pub mod binding_numbers;
+#[doc(hidden)]
+pub mod definitions;
+mod layers;
+mod material;
+mod pipelines;
+mod queue;
+mod reasons;
+
+pub use material::define_lean_lighting;
+// For tests.
+#[doc(hidden)]
+pub use pipelines::PIPELINE_LABEL;
+#[doc(hidden)]
+pub use reasons::BevyLitReason;
+
+use ::bevy::{
+    asset::embedded_asset,
+    core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
+    prelude::*,
+    render::{
+        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
+        render_phase::AddRenderCommand,
+    },
+    shader::load_shader_library,
+};
+
+use super::buffers::write_light_layers;
+use crate::view::{EffectSystems, ForwardMeshesQueued};
+use layers::DrawWithLightLayers;
+
+/// Lights meshes that Bevy's passes draw.
+pub(super) struct ForwardLightPlugin;
+
+impl Plugin for ForwardLightPlugin {
+    fn build(&self, app: &mut App) {
+        load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "light.wgsl");
+        embedded_asset!(app, "forward.wgsl");
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        render_app
+            .init_gpu_resource::<pipelines::ForwardPipelines>()
+            .add_render_command::<Opaque3d, DrawWithLightLayers>()
+            .add_render_command::<AlphaMask3d, DrawWithLightLayers>()
+            .add_render_command::<Transparent3d, DrawWithLightLayers>()
+            .add_systems(RenderStartup, pipelines::load_forward_shaders)
+            .add_systems(
+                Render,
+                (
+                    queue::light_forward_meshes
+                        .in_set(RenderSystems::QueueMeshes)
+                        .after(ForwardMeshesQueued),
+                    layers::prepare_forward_layers
+                        .in_set(RenderSystems::PrepareBindGroups)
+                        .after(write_light_layers),
+                )
+                    .in_set(EffectSystems::Lean),
+            );
+    }
+}

@@ -1,0 +1,278 @@
+//! Scenes of meshes that Bevy's passes draw, under many lights.
+
+use bevy::{
+    camera::visibility::RenderLayers,
+    core_pipeline::prepass::DepthPrepass,
+    light::NotShadowReceiver,
+    pbr::{ContactShadows, DistanceFog, FogFalloff, Lightmap},
+    prelude::*,
+    render::render_resource::TextureFormat,
+};
+use kit::scenes::{SceneBuilder, build::indoor, materials::cube_with_second_uvs};
+
+/// A scene, and the number of its meshes that the light functions light in Bevy's passes.
+pub struct Subject {
+    pub name: &'static str,
+    pub lit: usize,
+    /// Number of these that are blended.
+    pub blended: usize,
+    pub build: fn(&mut SceneBuilder),
+}
+
+impl Subject {
+    const fn blended(name: &'static str, count: usize, build: fn(&mut SceneBuilder)) -> Self {
+        Self {
+            name,
+            lit: count,
+            blended: count,
+            build,
+        }
+    }
+}
+
+/// Blended meshes, and opaque and alpha-masked ones that the G-buffer does not carry, in fog.
+pub const LIGHTS: Subject = Subject {
+    name: "lights",
+    lit: 12,
+    blended: 4,
+    build: |s| {
+        s.floor();
+        glass(s, |_| {});
+        glass(s, |m| {
+            m.alpha_mode = AlphaMode::Opaque;
+            m.specular_tint = Color::srgb(0.2, 1.0, 0.3);
+        });
+        glass(s, |m| {
+            m.alpha_mode = AlphaMode::Mask(0.2);
+            m.depth_bias = 5.0;
+        });
+        lamps(s);
+        moon(s);
+        s.default_camera((indoor(), fog()));
+    },
+};
+
+/// Special surfaces under an environment map.
+pub const ENVIRONMENT: Subject = Subject::blended("environment", 8, |s| {
+    s.floor();
+    glass(s, |m| m.clearcoat = 0.8);
+    glass(s, |m| {
+        m.diffuse_transmission = 0.6;
+        m.thickness = 0.3;
+    });
+    lamps(s);
+    let map = s.environment_map(400.0);
+    s.default_camera((indoor(), map));
+});
+
+/// Combinations of features, which repeat much of what the others show.
+pub const FURTHER: &[Subject] = &[
+    Subject::blended("modes", 12, |s| {
+        s.floor();
+        for mode in [
+            AlphaMode::Add,
+            AlphaMode::Multiply,
+            AlphaMode::Premultiplied,
+        ] {
+            glass(s, |m| m.alpha_mode = mode);
+        }
+        lamps(s);
+        s.default_camera((indoor(), fog()));
+    }),
+    Subject::blended("probes", 8, |s| {
+        s.floor();
+        glass(s, |_| {});
+        glass(s, |m| {
+            m.anisotropy_strength = 0.8;
+            m.anisotropy_rotation = 0.7;
+        });
+        lamps(s);
+        s.decal(Vec3::splat(3.0));
+        let volume = s.irradiance_volume(300.0);
+        s.probe(volume);
+        let map = s.environment_map(400.0);
+        s.default_camera((indoor(), map));
+    }),
+    Subject::blended("maps", 6, maps),
+    Subject::blended("contact_shadows", 4, |s| {
+        s.solids();
+        glass(s, |m| m.base_color = Color::srgba(0.8, 0.8, 0.8, 0.9));
+        lamps(s);
+        s.default_camera((indoor(), DepthPrepass, ContactShadows::default()));
+    }),
+];
+
+fn fog() -> DistanceFog {
+    DistanceFog {
+        color: Color::srgb(0.4, 0.5, 0.6),
+        falloff: FogFalloff::Exponential { density: 0.1 },
+        ..default()
+    }
+}
+
+/// Meshes of a green glass with a change: three slanted cards and a ball, one of which receives no shadows.
+fn glass(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) {
+    let mut material = StandardMaterial {
+        base_color: Color::srgba(0.3, 0.8, 0.5, 0.6),
+        perceptual_roughness: 0.35,
+        alpha_mode: AlphaMode::Blend,
+        double_sided: true,
+        cull_mode: None,
+        ..default()
+    };
+    change(&mut material);
+    let material = s.add::<StandardMaterial>(material);
+    let card = Mesh::from(Rectangle::new(1.6, 1.6));
+    let ball = Sphere::new(0.7).mesh().uv(32, 16);
+    for (index, mut mesh) in [card.clone(), card.clone(), card, ball]
+        .into_iter()
+        .enumerate()
+    {
+        mesh.generate_tangents()
+            .expect("these meshes have all that tangents need");
+        let at = index as f32;
+        let place = Transform::from_xyz(1.3 * (at - 1.5), 0.8, 0.6 - 0.7 * at)
+            .with_rotation(Quat::from_rotation_y(0.4 * at - 0.5));
+        let mesh = s.add::<Mesh>(mesh);
+        let glass = s.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), place));
+        if index == 1 {
+            s.world().entity_mut(glass).insert(NotShadowReceiver);
+        }
+    }
+}
+
+/// 64 lamps of three kinds, most of which reach only a part of the scene. A few cast shadows.
+fn lamps(s: &mut SceneBuilder) {
+    for index in 0..64u32 {
+        let at = |factor: u32| (index * factor % 64) as f32 / 63.0;
+        let place = Vec3::new(6.0 * at(29) - 3.0, 0.3 + 1.6 * at(13), 4.0 * at(51) - 2.5);
+        let color = Color::srgb(0.4 + 0.6 * at(5), 0.4 + 0.6 * at(11), 0.5 + 0.5 * at(7));
+        let shadow_maps_enabled = index.is_multiple_of(31);
+        let range = 0.8 + 2.0 * at(17);
+        if index % 3 == 0 {
+            s.spawn((
+                SpotLight {
+                    color,
+                    intensity: 2_000.0,
+                    range: 1.5 * range,
+                    outer_angle: 0.3 + 0.6 * at(23),
+                    inner_angle: 0.1,
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                Transform::from_translation(place).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y),
+            ));
+        } else {
+            s.spawn((
+                PointLight {
+                    color,
+                    intensity: 700.0,
+                    range,
+                    radius: if index % 3 == 1 { 0.0 } else { 0.15 },
+                    shadow_maps_enabled,
+                    ..default()
+                },
+                Transform::from_translation(place),
+            ));
+        }
+    }
+}
+
+/// Dim light with shadows from above and behind.
+fn moon(s: &mut SceneBuilder) {
+    s.spawn((
+        DirectionalLight {
+            illuminance: 60.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        Transform::from_xyz(2.0, 4.0, -1.5).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+}
+
+/// Normal-mapped and emissive glass under a rectangle light, and lightmapped and unlit ones.
+fn maps(s: &mut SceneBuilder) {
+    s.floor();
+    let bumps = s.bumps();
+    glass(s, |m| {
+        m.normal_map_texture = Some(bumps.clone());
+        m.emissive = LinearRgba::rgb(2.0, 0.5, 4.0);
+    });
+    let image = s.image(32, TextureFormat::Rgba8UnormSrgb, |u, v| {
+        [(u * 255.0) as u8, (v * 255.0) as u8, 60, 255]
+    });
+    for (x, unlit) in [(-1.2, false), (1.2, true)] {
+        let cube = s.mesh(
+            cube_with_second_uvs(),
+            StandardMaterial {
+                base_color: Color::srgba(1.0, 1.0, 1.0, 0.7),
+                alpha_mode: AlphaMode::Blend,
+                lightmap_exposure: 60.0,
+                unlit,
+                ..default()
+            },
+            Transform::from_xyz(x, 0.7, 1.3).with_scale(Vec3::splat(0.6)),
+        );
+        if !unlit {
+            let image = image.clone();
+            s.world()
+                .entity_mut(cube)
+                .insert(Lightmap { image, ..default() });
+        }
+    }
+    lamps(s);
+    s.rect_light();
+    s.default_camera((
+        indoor(),
+        AmbientLight {
+            brightness: 15.0,
+            ..default()
+        },
+    ));
+}
+
+/// The layers of lights in [`layered`].
+pub const LAYERS: [usize; 2] = [0, 3];
+
+/// Glass on layer 3, under two lamps of each layer. Without the `others`, only lamps of layer 3 are there.
+pub fn layered(s: &mut SceneBuilder, others: bool) {
+    s.floor();
+    glass(s, |_| {});
+    let world = s.world();
+    let mut meshes = world.query_filtered::<Entity, With<Mesh3d>>();
+    let meshes: Vec<Entity> = meshes.iter(world).collect();
+    for mesh in meshes {
+        world
+            .entity_mut(mesh)
+            .insert(RenderLayers::layer(LAYERS[1]));
+    }
+    for (index, layer) in [LAYERS[0], LAYERS[1], LAYERS[0], LAYERS[1]]
+        .into_iter()
+        .enumerate()
+    {
+        if layer == LAYERS[0] && !others {
+            continue;
+        }
+        let x = index as f32 - 1.5;
+        s.spawn((
+            PointLight {
+                intensity: 2_500.0,
+                range: 10.0,
+                color: Color::srgb(1.0, 0.4 + 0.2 * index as f32, 0.5),
+                ..default()
+            },
+            Transform::from_xyz(x, 2.0, 1.5),
+            RenderLayers::layer(layer),
+        ));
+    }
+    s.default_camera((indoor(), RenderLayers::from_layers(&LAYERS)));
+}
+
+/// A ball with this material under many lamps.
+pub fn lamplit(s: &mut SceneBuilder, material: impl Bundle) {
+    s.floor();
+    let mesh = s.add::<Mesh>(Sphere::new(0.8).mesh().uv(24, 12));
+    s.spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 0.8, 0.0)));
+    lamps(s);
+    s.default_camera(indoor());
+}
