@@ -15,7 +15,10 @@ use bevy::{
     render::{
         RenderApp,
         render_phase::{BinnedPhaseItem, ViewBinnedRenderPhases, ViewSortedRenderPhases},
-        render_resource::{AsBindGroup, CachedRenderPipelineId, PipelineCache, PipelineDescriptor},
+        render_resource::{
+            AsBindGroup, CachedRenderPipelineId, PipelineCache, PipelineDescriptor,
+            RenderPipelineDescriptor, SpecializedMeshPipelineError,
+        },
     },
     shader::ShaderRef,
 };
