@@ -49,7 +49,8 @@
 //!    texture. Tiles with special surfaces have a dispatch of their own. Features that the view does not use (fog, probes, shadows,
 //!    decals, …) are neither compiled in nor bound. Until the pipeline for its features is compiled, a general one lights the view,
 //!    which has all features compiled in and binds placeholders for those that the view lacks.
-//! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing.
+//! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing. The functions of 2 light
+//!    those meshes of `StandardMaterial` that `docs/limits.md` does not exclude.
 //!
 //! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
 //! and before post-processing. The modules of [`effects`] describe their passes.
