@@ -37,10 +37,7 @@ use ::bevy::{
     asset::embedded_asset,
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
     prelude::*,
-    render::{
-        GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems,
-        render_phase::AddRenderCommand,
-    },
+    render::{Render, RenderApp, RenderStartup, RenderSystems, render_phase::AddRenderCommand},
     shader::load_shader_library,
 };
 
@@ -60,11 +57,10 @@ impl Plugin for ForwardLightPlugin {
             return;
         };
         render_app
-            .init_gpu_resource::<pipelines::ForwardPipelines>()
             .add_render_command::<Opaque3d, DrawWithLightLayers>()
             .add_render_command::<AlphaMask3d, DrawWithLightLayers>()
             .add_render_command::<Transparent3d, DrawWithLightLayers>()
-            .add_systems(RenderStartup, pipelines::load_forward_shaders)
+            .add_systems(RenderStartup, pipelines::init_forward_pipelines)
             .add_systems(
                 Render,
                 (

@@ -25,10 +25,10 @@ use crate::gpu::bind_group_cache::ResolvedLayout;
 pub const PIPELINE_LABEL: &str = "lean_deferred/lighting/forward";
 
 /// In the render world: the crate's pipelines, by Bevy's and by the layers of the mesh, if the view has light layers.
-#[derive(Resource, Default)]
+#[derive(Resource)]
 pub(super) struct ForwardPipelines {
     by_bevys: HashMap<(CachedRenderPipelineId, Option<u32>), ForwardPipeline>,
-    shaders: Option<ForwardShaders>,
+    shaders: ForwardShaders,
     /// Layout of the layers of lights; `None` on devices without a bind group for it.
     pub(super) layers_layout: Option<ResolvedLayout>,
     /// True if some pipeline reads the layers of lights.
@@ -60,8 +60,9 @@ pub(super) enum PipelineChoice {
     Own(CachedRenderPipelineId),
 }
 
-pub(super) fn load_forward_shaders(
-    mut pipelines: ResMut<ForwardPipelines>,
+/// Makes [`ForwardPipelines`] anew for a new device.
+pub(super) fn init_forward_pipelines(
+    mut commands: Commands,
     asset_server: Res<AssetServer>,
     pipeline_cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
@@ -72,13 +73,17 @@ pub(super) fn load_forward_shaders(
         // Then no pipeline has it, and Bevy lights all meshes.
         ShaderRef::Default => Handle::default(),
     };
-    pipelines.shaders = Some(ForwardShaders {
-        own: load_embedded_asset!(asset_server.as_ref(), "forward.wgsl"),
-        standard,
-    });
     let groups = device.limits().max_bind_groups as usize;
-    pipelines.layers_layout = (groups > LIGHT_LAYERS_GROUP)
-        .then(|| ResolvedLayout::new(&pipeline_cache, light_layers_layout()));
+    commands.insert_resource(ForwardPipelines {
+        shaders: ForwardShaders {
+            own: load_embedded_asset!(asset_server.as_ref(), "forward.wgsl"),
+            standard,
+        },
+        layers_layout: (groups > LIGHT_LAYERS_GROUP)
+            .then(|| ResolvedLayout::new(&pipeline_cache, light_layers_layout())),
+        by_bevys: default(),
+        has_layered: false,
+    });
 }
 
 impl ForwardPipelines {
@@ -106,29 +111,28 @@ impl ForwardPipelines {
         let pipeline = match self.by_bevys.entry((bevys, layers)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(new) => {
-                let Some(shaders) = &self.shaders else {
-                    return PipelineChoice::NotKnownYet;
-                };
                 let cached = cache.pipelines().nth(bevys.id());
                 let Some(PipelineDescriptor::RenderPipelineDescriptor(descriptor)) =
                     cached.map(|cached| &cached.descriptor)
                 else {
                     return PipelineChoice::NotKnownYet;
                 };
-                new.insert(match BevyLitReason::of(descriptor, shaders.standard.id()) {
-                    Some(reason) => {
-                        debug!("Bevy's fragment shader lights meshes of a lean view: {reason}");
-                        ForwardPipeline::Kept
-                    }
-                    None => {
-                        self.has_layered |= layers.is_some();
-                        let own = lit_by_crate(descriptor, &shaders.own, layers);
-                        ForwardPipeline::Own {
-                            id: cache.queue_render_pipeline(own),
-                            is_compiled: false,
+                new.insert(
+                    match BevyLitReason::of(descriptor, self.shaders.standard.id()) {
+                        Some(reason) => {
+                            debug!("Bevy's fragment shader lights meshes of a lean view: {reason}");
+                            ForwardPipeline::Kept
                         }
-                    }
-                })
+                        None => {
+                            self.has_layered |= layers.is_some();
+                            let own = lit_by_crate(descriptor, &self.shaders.own, layers);
+                            ForwardPipeline::Own {
+                                id: cache.queue_render_pipeline(own),
+                                is_compiled: false,
+                            }
+                        }
+                    },
+                )
             }
         };
         match pipeline {
