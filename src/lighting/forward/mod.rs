@@ -41,7 +41,7 @@ use ::bevy::{
     shader::load_shader_library,
 };
 
-use super::buffers::write_light_layers;
+use super::bindings::prepare_lighting_bind_groups;
 use crate::view::{EffectSystems, ForwardMeshesQueued};
 use layers::DrawWithLightLayers;
 
@@ -69,7 +69,7 @@ impl Plugin for ForwardLightPlugin {
                         .after(ForwardMeshesQueued),
                     layers::prepare_forward_layers
                         .in_set(RenderSystems::PrepareBindGroups)
-                        .after(write_light_layers),
+                        .after(prepare_lighting_bind_groups),
                 )
                     .in_set(EffectSystems::Lean),
             );

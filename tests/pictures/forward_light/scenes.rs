@@ -256,7 +256,11 @@ pub fn layered(s: &mut SceneBuilder, others: bool) {
         let x = index as f32 - 1.5;
         s.spawn((
             PointLight {
-                intensity: 2_500.0,
+                intensity: if layer == LAYERS[0] {
+                    50_000.0
+                } else {
+                    2_500.0
+                },
                 range: 10.0,
                 color: Color::srgb(1.0, 0.4 + 0.2 * index as f32, 0.5),
                 ..default()
