@@ -71,7 +71,8 @@ impl PrewarmedKind {
 
 #[derive(Default)]
 struct KindState {
-    /// The mesh, the material or its textures are still loading.
+    /// The mesh, the material or its textures are still loading. Set by extraction in each frame, so that no kind is waited for whose
+    /// last mesh was despawned.
     is_loading: bool,
     /// Frames for which it was not prepared although they are loaded.
     waited: u32,
@@ -221,6 +222,9 @@ pub(super) fn prewarm_meshes(
                 }
             }
         }
+    }
+    for state in kinds.0.values_mut() {
+        state.is_loading = false;
     }
 }
 

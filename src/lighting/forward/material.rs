@@ -10,7 +10,9 @@ use crate::gpu::shader_defs::name_of;
 ///
 /// The functions skip lights that do not reach a pixel before they compute anything else; the light is the same. They leave out
 /// specular transmission, and take `N` for the normal of a clear coat. Light layers apply to meshes of `StandardMaterial` only.
-/// Pipelines of prepasses stay as they are. Without the call, `apply_lean_lighting` is `apply_pbr_lighting`.
+/// Pipelines of prepasses stay as they are, as do those of materials with both clearcoat and diffuse transmission, whose sums of light
+/// the functions do not tell apart: set their definitions before the call, as a `StandardMaterial` that is extended has done. There, and
+/// without the call, `apply_lean_lighting` is `apply_pbr_lighting`.
 ///
 /// ```
 /// use bevy::{
@@ -77,11 +79,48 @@ pub fn define_lean_lighting(descriptor: &mut RenderPipelineDescriptor) {
     let Some(fragment) = &mut descriptor.fragment else {
         return;
     };
-    let mut definitions = fragment.shader_defs.iter();
-    if definitions.all(|definition| name_of(definition) != PREPASS) {
+    let has = |name| {
+        let mut definitions = fragment.shader_defs.iter();
+        definitions.any(|definition| name_of(definition) == name)
+    };
+    if !has(PREPASS) && !TWO_MODELS.into_iter().all(has) {
         extend(&mut fragment.shader_defs, None);
     }
 }
 
 /// Bevy's definition in pipelines of prepasses.
 const PREPASS: &str = "PREPASS_PIPELINE";
+/// Definitions of shading models whose light shares a sum: see `BevyLitReason::TwoModels`.
+const TWO_MODELS: [&str; 2] = [
+    "STANDARD_MATERIAL_CLEARCOAT",
+    "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+];
+
+#[cfg(test)]
+mod tests {
+    use bevy::material::descriptor::FragmentState;
+
+    use super::*;
+
+    fn is_lit(definitions: &[&str]) -> bool {
+        let mut descriptor = RenderPipelineDescriptor {
+            fragment: Some(FragmentState {
+                shader_defs: definitions.iter().map(|name| (*name).into()).collect(),
+                ..Default::default()
+            }),
+            ..Default::default()
+        };
+        define_lean_lighting(&mut descriptor);
+        let fragment = descriptor.fragment.expect("it was set");
+        let mut after = fragment.shader_defs.iter();
+        after.any(|definition| name_of(definition) == "FORWARD_MESH")
+    }
+
+    #[test]
+    fn prepasses_and_surfaces_of_two_models_stay_as_they_are() {
+        assert!(is_lit(&[]));
+        assert!(!is_lit(&[PREPASS]));
+        assert!(TWO_MODELS.into_iter().all(|model| is_lit(&[model])));
+        assert!(!is_lit(&TWO_MODELS));
+    }
+}

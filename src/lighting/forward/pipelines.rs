@@ -3,7 +3,7 @@
 use bevy::{
     asset::load_embedded_asset,
     pbr::StandardMaterial,
-    platform::collections::{HashMap, hash_map::Entry},
+    platform::collections::{HashMap, HashSet, hash_map::Entry},
     prelude::*,
     render::{
         render_resource::{
@@ -19,7 +19,7 @@ use super::{
     binding_numbers::LIGHT_LAYERS_GROUP, definitions::extend, layers::light_layers_layout,
     reasons::BevyLitReason,
 };
-use crate::gpu::bind_group_cache::ResolvedLayout;
+use crate::gpu::{bind_group_cache::ResolvedLayout, pipeline_watch::PipelineWatch};
 
 /// Label of these pipelines.
 pub const PIPELINE_LABEL: &str = "lean_deferred/lighting/forward";
@@ -28,6 +28,8 @@ pub const PIPELINE_LABEL: &str = "lean_deferred/lighting/forward";
 #[derive(Resource)]
 pub(super) struct ForwardPipelines {
     by_bevys: HashMap<(CachedRenderPipelineId, Option<u32>), ForwardPipeline>,
+    /// Those that were withheld in this frame.
+    withheld: HashSet<(CachedRenderPipelineId, Option<u32>)>,
     shaders: ForwardShaders,
     /// Layout of the layers of lights; `None` on devices without a bind group for it.
     pub(super) layers_layout: Option<ResolvedLayout>,
@@ -53,7 +55,7 @@ enum ForwardPipeline {
 /// The pipeline that is to draw a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PipelineChoice {
-    /// Bevy's, until its description is known: from the next frame on.
+    /// Bevy's, until its description is known, from the next frame on; and while the crate's is withheld.
     NotKnownYet,
     /// Bevy's: the crate's is not compiled, or cannot draw the mesh.
     Bevys,
@@ -82,6 +84,7 @@ pub(super) fn init_forward_pipelines(
         layers_layout: (groups > LIGHT_LAYERS_GROUP)
             .then(|| ResolvedLayout::new(&pipeline_cache, light_layers_layout())),
         by_bevys: default(),
+        withheld: default(),
         has_layered: false,
     });
 }
@@ -89,6 +92,7 @@ pub(super) fn init_forward_pipelines(
 impl ForwardPipelines {
     /// Looks at the pipelines again. Returns true if some of them were compiled, or a changed shader does not compile.
     pub(super) fn update(&mut self, cache: &PipelineCache) -> bool {
+        self.withheld.clear();
         let mut has_changed = false;
         for pipeline in self.by_bevys.values_mut() {
             if let ForwardPipeline::Own { id, is_compiled } = pipeline {
@@ -101,14 +105,15 @@ impl ForwardPipelines {
         has_changed
     }
 
-    /// Chooses between Bevy's pipeline and the crate's, which is requested if it is new.
+    /// Chooses between Bevy's pipeline and the crate's, which is requested if it is new and the budget of `watch` admits it.
     pub(super) fn choose(
         &mut self,
-        cache: &PipelineCache,
+        (cache, watch): (&PipelineCache, &PipelineWatch),
         bevys: CachedRenderPipelineId,
         layers: Option<u32>,
     ) -> PipelineChoice {
-        let pipeline = match self.by_bevys.entry((bevys, layers)) {
+        let key = (bevys, layers);
+        let pipeline = match self.by_bevys.entry(key) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(new) => {
                 let cached = cache.pipelines().nth(bevys.id());
@@ -117,22 +122,27 @@ impl ForwardPipelines {
                 else {
                     return PipelineChoice::NotKnownYet;
                 };
-                new.insert(
-                    match BevyLitReason::of(descriptor, self.shaders.standard.id()) {
-                        Some(reason) => {
-                            debug!("Bevy's fragment shader lights meshes of a lean view: {reason}");
-                            ForwardPipeline::Kept
+                let reason = BevyLitReason::of(descriptor, self.shaders.standard.id());
+                let is_withheld =
+                    reason.is_none() && (self.withheld.contains(&key) || !watch.budget.admits());
+                if is_withheld {
+                    self.withheld.insert(key);
+                    return PipelineChoice::NotKnownYet;
+                }
+                new.insert(match reason {
+                    Some(reason) => {
+                        debug!("Bevy's fragment shader lights meshes of a lean view: {reason}");
+                        ForwardPipeline::Kept
+                    }
+                    None => {
+                        self.has_layered |= layers.is_some();
+                        let own = lit_by_crate(descriptor, &self.shaders.own, layers);
+                        ForwardPipeline::Own {
+                            id: cache.queue_render_pipeline(own),
+                            is_compiled: false,
                         }
-                        None => {
-                            self.has_layered |= layers.is_some();
-                            let own = lit_by_crate(descriptor, &self.shaders.own, layers);
-                            ForwardPipeline::Own {
-                                id: cache.queue_render_pipeline(own),
-                                is_compiled: false,
-                            }
-                        }
-                    },
-                )
+                    }
+                })
             }
         };
         match pipeline {

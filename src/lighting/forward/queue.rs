@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     gbuffer::{ForwardDraw, ForwardDrawFunctions, ForwardDraws, LeftMeshes},
-    gpu::named::system_param,
+    gpu::{named::system_param, pipeline_watch::PipelineWatch},
     view::{ActiveLeanView, LeanDeferred},
 };
 
@@ -50,7 +50,7 @@ impl LayeredDrawFunctions<'_, '_> {
 pub(super) struct ForwardView {
     /// Each with true if a pipeline of the crate draws it.
     meshes: MainEntityHashMap<bool>,
-    /// Meshes whose pipeline of Bevy's is not known yet.
+    /// Meshes whose pipeline of Bevy's is not known yet, or whose own is withheld.
     waiting: Vec<MainEntity>,
     mode: Mode,
 }
@@ -67,7 +67,7 @@ pub(super) fn light_forward_meshes(
     mut draws: ForwardDraws,
     mut draw_functions: LayeredDrawFunctions,
     mut pipelines: ResMut<ForwardPipelines>,
-    (left, cache): (Res<LeftMeshes>, Res<PipelineCache>),
+    (left, cache, watch): (Res<LeftMeshes>, Res<PipelineCache>, Res<PipelineWatch>),
     views: Query<(
         &ExtractedView,
         &RenderVisibleEntities,
@@ -120,8 +120,13 @@ pub(super) fn light_forward_meshes(
             core::mem::replace(&mut forward.mode, mode) != mode || pipelines_have_changed;
         forward.follow(&left, &retained, looks_at_all, &mut looked_at);
         for &(mesh, was_lit) in &*looked_at {
-            let found =
-                forward.pipeline(&draws, &mut pipelines, &cache, (&retained, visible), mesh);
+            let found = forward.pipeline(
+                &draws,
+                &mut pipelines,
+                (&cache, &watch),
+                (&retained, visible),
+                mesh,
+            );
             let Some((pipeline, is_own)) = found else {
                 continue;
             };
@@ -179,7 +184,7 @@ impl ForwardView {
         &mut self,
         draws: &ForwardDraws,
         pipelines: &mut ForwardPipelines,
-        cache: &PipelineCache,
+        cache_and_watch: (&PipelineCache, &PipelineWatch),
         (view, visible): (&RetainedViewEntity, &RenderVisibleEntitiesClass),
         mesh: MainEntity,
     ) -> Option<(CachedRenderPipelineId, bool)> {
@@ -189,7 +194,7 @@ impl ForwardView {
         };
         let layers = (self.mode.reads_layers).then(|| draws.visibility_mask(mesh));
         let choice = if self.mode.is_lit {
-            pipelines.choose(cache, bevys, layers)
+            pipelines.choose(cache_and_watch, bevys, layers)
         } else {
             PipelineChoice::Bevys
         };

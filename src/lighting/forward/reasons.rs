@@ -7,7 +7,7 @@ use bevy::{material::descriptor::RenderPipelineDescriptor, prelude::*};
 use crate::gpu::shader_defs::name_of;
 
 /// The reason that Bevy's fragment shader lights a mesh of a lean view, in place of the crate's. Its text completes the sentence
-/// "Bevy lights the mesh: …". `docs/limits.md` lists them.
+/// "Bevy lights the mesh: …". `docs/limits.md` lists those that a lean view can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BevyLitReason {
     /// The fragment shader of the material is not that of `StandardMaterial`.

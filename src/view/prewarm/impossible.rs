@@ -7,6 +7,8 @@ use crate::view::{EffectStatus, LeanDeferred, LeanOffReason, LeanStatus, LeanSup
 
 /// Frames for which a camera may stay without being rendered, as while its window is minimised.
 const PATIENCE: u32 = 120;
+/// Frames for which a status may be that of former settings of the camera: it comes from the render world, one or two frames late.
+const STALE: u32 = 2;
 
 /// Ends them with a warning that names the reason. Runs in the main world, for apps without a render world.
 pub(super) fn end_impossible_prewarms(
@@ -17,27 +19,29 @@ pub(super) fn end_impossible_prewarms(
         Has<LeanDeferred>,
         Option<&LeanStatus>,
     )>,
-    mut unrendered: Local<EntityHashMap<u32>>,
+    mut waited: Local<EntityHashMap<u32>>,
 ) {
-    unrendered.retain(|camera, _| cameras.contains(*camera));
+    waited.retain(|camera, _| cameras.contains(*camera));
     for (camera, mut prewarm, is_lean, status) in &mut cameras {
         if prewarm.progress.is_done {
-            unrendered.remove(&camera);
+            waited.remove(&camera);
             continue;
         }
-        let reason = reason_against(support.as_deref(), is_lean, status);
-        if reason == Some(LeanOffReason::NotRendered) {
-            let frames = unrendered.entry(camera).or_default();
-            *frames += 1;
-            if *frames <= PATIENCE {
-                continue;
-            }
-        } else {
-            unrendered.remove(&camera);
-        }
-        if let Some(reason) = reason {
+        let Some(reason) = reason_against(support.as_deref(), is_lean, status) else {
+            waited.remove(&camera);
+            continue;
+        };
+        let patience = match &reason {
+            LeanOffReason::Device(_) | LeanOffReason::NoLeanDeferred => 0,
+            LeanOffReason::NotRendered => PATIENCE,
+            _ => STALE,
+        };
+        let frames = waited.entry(camera).or_default();
+        *frames += 1;
+        if *frames > patience {
             warn!("LeanPrewarm on camera {camera} compiles nothing and is done: {reason}.");
             prewarm.progress.is_done = true;
+            waited.remove(&camera);
         }
     }
 }
@@ -106,8 +110,14 @@ mod tests {
         };
         assert!(is_done(unsupported, camera(EffectStatus::On), 1));
         assert!(is_done(supported(), LeanPrewarm::default(), 1));
-        let off = EffectStatus::Off(LeanOffReason::Msaa);
-        assert!(is_done(supported(), camera(off), 1));
+    }
+
+    /// The app may have corrected the settings in the frame in which it inserted `LeanPrewarm`.
+    #[test]
+    fn a_status_of_former_settings_ends_nothing() {
+        let off = || camera(EffectStatus::Off(LeanOffReason::Msaa));
+        assert!(!is_done(supported(), off(), STALE));
+        assert!(is_done(supported(), off(), STALE + 1));
     }
 
     #[test]

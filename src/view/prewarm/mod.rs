@@ -48,9 +48,6 @@ pub(super) fn add_to(app: &mut App) {
 }
 
 /// True if there is a camera to begin with or to end.
-fn is_any_known(
-    prewarming: Res<Prewarming>,
-    cameras: Extract<Query<(), With<LeanPrewarm>>>,
-) -> bool {
-    prewarming.is_active() || !cameras.is_empty()
+fn is_any_known(prewarming: Res<Prewarming>, cameras: Extract<Query<&LeanPrewarm>>) -> bool {
+    prewarming.is_active() || cameras.iter().any(|prewarm| !prewarm.progress.is_done)
 }

@@ -103,7 +103,7 @@ bitflags! {
         const MANY_LIGHTS = 1 << 3;
         /// Rectangular lights.
         const RECT_LIGHTS = 1 << 4;
-        /// Shadow maps of directional lights.
+        /// Shadow maps of a directional light; of several, if several in the world have them.
         const DIRECTIONAL_SHADOWS = 1 << 5;
         /// Shadow maps of point lights.
         const POINT_SHADOWS = 1 << 6;
