@@ -2,7 +2,7 @@
 
 use bevy::render::render_resource::RenderPipelineDescriptor;
 
-use super::definitions::extend;
+use super::{definitions::extend, reasons::SHADING_MODELS};
 use crate::gpu::shader_defs::name_of;
 
 /// Lets the fragment shader of a material light by this crate's light functions in Bevy's passes, on cameras of any kind: call it in
@@ -10,9 +10,9 @@ use crate::gpu::shader_defs::name_of;
 ///
 /// The functions skip lights that do not reach a pixel before they compute anything else; the light is the same. They leave out
 /// specular transmission, and take `N` for the normal of a clear coat. Light layers apply to meshes of `StandardMaterial` only.
-/// Pipelines of prepasses stay as they are, as do those of materials with both clearcoat and diffuse transmission, whose sums of light
-/// the functions do not tell apart: set their definitions before the call, as a `StandardMaterial` that is extended has done. There, and
-/// without the call, `apply_lean_lighting` is `apply_pbr_lighting`.
+/// Pipelines of prepasses stay as they are, as do those of materials with two of clearcoat, anisotropy and diffuse transmission, since
+/// the functions have the terms of one of them: set their definitions before the call, as a `StandardMaterial` that is extended has
+/// done. There, and without the call, `apply_lean_lighting` is `apply_pbr_lighting`.
 ///
 /// ```
 /// use bevy::{
@@ -83,18 +83,18 @@ pub fn define_lean_lighting(descriptor: &mut RenderPipelineDescriptor) {
         let mut definitions = fragment.shader_defs.iter();
         definitions.any(|definition| name_of(definition) == name)
     };
-    if !has(PREPASS) && !TWO_MODELS.into_iter().all(has) {
+    let models = SHADING_MODELS
+        .map(&has)
+        .into_iter()
+        .filter(|has| *has)
+        .count();
+    if !has(PREPASS) && models < 2 {
         extend(&mut fragment.shader_defs, None);
     }
 }
 
 /// Bevy's definition in pipelines of prepasses.
 const PREPASS: &str = "PREPASS_PIPELINE";
-/// Definitions of shading models whose light shares a sum: see `BevyLitReason::TwoModels`.
-const TWO_MODELS: [&str; 2] = [
-    "STANDARD_MATERIAL_CLEARCOAT",
-    "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
-];
 
 #[cfg(test)]
 mod tests {
@@ -120,7 +120,7 @@ mod tests {
     fn prepasses_and_surfaces_of_two_models_stay_as_they_are() {
         assert!(is_lit(&[]));
         assert!(!is_lit(&[PREPASS]));
-        assert!(TWO_MODELS.into_iter().all(|model| is_lit(&[model])));
-        assert!(!is_lit(&TWO_MODELS));
+        assert!(SHADING_MODELS.into_iter().all(|model| is_lit(&[model])));
+        assert!(!is_lit(&SHADING_MODELS[..2]));
     }
 }

@@ -16,8 +16,10 @@ pub enum BevyLitReason {
     SpecularTransmission,
     /// Clearcoat, and a normal map of the base or of the coat: the light functions have one normal.
     TwoNormals,
-    /// Clearcoat and diffuse transmission: the light functions have the sums of one shading model.
+    /// Two of clearcoat, anisotropy and diffuse transmission: the light functions have the terms of one shading model.
     TwoModels,
+    /// Anisotropy on a mesh without tangents, which forward gives a look of its own.
+    NoTangents,
     /// The mesh has no normals, and forward lights with undefined ones.
     NoNormals,
     /// A forward decal.
@@ -29,6 +31,13 @@ pub enum BevyLitReason {
     /// A pipeline of another layout than Bevy's meshes have.
     OtherLayout,
 }
+
+/// Definitions of materials whose light has terms of its own.
+pub(super) const SHADING_MODELS: [&str; 3] = [
+    "STANDARD_MATERIAL_CLEARCOAT",
+    "STANDARD_MATERIAL_ANISOTROPY",
+    "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+];
 
 /// Number of bind groups of Bevy's meshes: view, arrays of the view, mesh, material.
 pub(super) const BEVYS_GROUPS: usize = 4;
@@ -57,8 +66,17 @@ impl BevyLitReason {
                 Self::TwoNormals,
             ),
             (
-                has("STANDARD_MATERIAL_CLEARCOAT") && has("STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"),
+                SHADING_MODELS
+                    .map(&has)
+                    .into_iter()
+                    .filter(|has| *has)
+                    .count()
+                    > 1,
                 Self::TwoModels,
+            ),
+            (
+                has("STANDARD_MATERIAL_ANISOTROPY") && !has("VERTEX_TANGENTS"),
+                Self::NoTangents,
             ),
             (!has("VERTEX_NORMALS"), Self::NoNormals),
             (has("FORWARD_DECAL"), Self::ForwardDecal),
@@ -77,7 +95,10 @@ impl fmt::Display for BevyLitReason {
             Self::OtherShader => "its fragment shader is not that of `StandardMaterial`",
             Self::SpecularTransmission => "its material has specular transmission",
             Self::TwoNormals => "its material has clearcoat and a normal map",
-            Self::TwoModels => "its material has clearcoat and diffuse transmission",
+            Self::TwoModels => {
+                "its material has two of clearcoat, anisotropy and diffuse transmission"
+            }
+            Self::NoTangents => "its material is anisotropic and its mesh has no tangents",
             Self::NoNormals => "it has no normals",
             Self::ForwardDecal => "it is a forward decal",
             Self::OrderIndependentTransparency => "the view has order-independent transparency",
@@ -125,8 +146,15 @@ mod tests {
         ] {
             assert_eq!(reason(&[coat, map]), Some(Reason::TwoNormals));
         }
-        let both = [coat, "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION"];
-        assert_eq!(reason(&both), Some(Reason::TwoModels));
+        for other in [
+            "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
+            "STANDARD_MATERIAL_ANISOTROPY",
+        ] {
+            assert_eq!(reason(&[coat, other]), Some(Reason::TwoModels));
+        }
+        let anisotropy = "STANDARD_MATERIAL_ANISOTROPY";
+        assert_eq!(reason(&[anisotropy]), Some(Reason::NoTangents));
+        assert_eq!(reason(&[anisotropy, "VERTEX_TANGENTS"]), None);
         for (name, expected) in [
             (
                 "STANDARD_MATERIAL_SPECULAR_TRANSMISSION",
@@ -164,6 +192,7 @@ mod tests {
             BevyLitReason::SpecularTransmission,
             BevyLitReason::TwoNormals,
             BevyLitReason::TwoModels,
+            BevyLitReason::NoTangents,
             BevyLitReason::NoNormals,
             BevyLitReason::ForwardDecal,
             BevyLitReason::OrderIndependentTransparency,
