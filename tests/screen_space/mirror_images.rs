@@ -174,7 +174,7 @@ fn mirror_images_begin_where_things_end() {
                 "{dark} of {} pixels are dark, the most is {most:.3}",
                 light.len()
             );
-            // Where the line steps from row to row, the ray of a pixel may begin behind the thing's front.
+            // At steps of the line from row to row, the ray of a pixel may begin behind the thing's front.
             assert!(light.len() > 30 && dark * 12 < light.len() && most < 1.02 * GLOW);
         }
     });

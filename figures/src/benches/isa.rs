@@ -168,7 +168,7 @@ impl Isa {
         Table::new(&columns, self.names().into_iter().map(row))
     }
 
-    /// What is worse here than in `recorded`: fewer or narrower subgroups, more spills or scratch memory; and shaders that are gone.
+    /// Regressions from `recorded`: fewer or narrower subgroups, more spills or scratch memory; and shaders that are gone.
     pub fn worse_than(&self, recorded: &Self) -> Vec<String> {
         let mut worse = Vec::new();
         for old in &recorded.shaders {

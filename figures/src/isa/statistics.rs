@@ -1,4 +1,4 @@
-//! What the replayer prints of each shader.
+//! Statistics that the replayer prints of each shader.
 
 use serde_json::{Map, Value};
 
