@@ -2,7 +2,7 @@
 
 use bevy::render::render_resource::RenderPipelineDescriptor;
 
-use super::{definitions::extend, reasons::SHADING_MODELS};
+use super::{definitions::extend, reasons::has_two_models};
 use crate::gpu::shader_defs::name_of;
 
 /// Lets the fragment shader of a material light by this crate's light functions in Bevy's passes, on cameras of any kind: call it in
@@ -83,12 +83,7 @@ pub fn define_lean_lighting(descriptor: &mut RenderPipelineDescriptor) {
         let mut definitions = fragment.shader_defs.iter();
         definitions.any(|definition| name_of(definition) == name)
     };
-    let models = SHADING_MODELS
-        .map(&has)
-        .into_iter()
-        .filter(|has| *has)
-        .count();
-    if !has(PREPASS) && models < 2 {
+    if !has(PREPASS) && !has_two_models(has) {
         extend(&mut fragment.shader_defs, None);
     }
 }
@@ -101,6 +96,7 @@ mod tests {
     use bevy::material::descriptor::FragmentState;
 
     use super::*;
+    use crate::lighting::forward::reasons::SHADING_MODELS;
 
     fn is_lit(definitions: &[&str]) -> bool {
         let mut descriptor = RenderPipelineDescriptor {

@@ -39,6 +39,16 @@ pub(super) const SHADING_MODELS: [&str; 3] = [
     "STANDARD_MATERIAL_DIFFUSE_TRANSMISSION",
 ];
 
+/// True if a material has the terms of more than one of them.
+pub(super) fn has_two_models(has: impl Fn(&'static str) -> bool) -> bool {
+    SHADING_MODELS
+        .map(has)
+        .into_iter()
+        .filter(|has| *has)
+        .count()
+        > 1
+}
+
 /// Number of bind groups of Bevy's meshes: view, arrays of the view, mesh, material.
 pub(super) const BEVYS_GROUPS: usize = 4;
 
@@ -65,15 +75,7 @@ impl BevyLitReason {
                 has("STANDARD_MATERIAL_CLEARCOAT") && has_normal_map,
                 Self::TwoNormals,
             ),
-            (
-                SHADING_MODELS
-                    .map(&has)
-                    .into_iter()
-                    .filter(|has| *has)
-                    .count()
-                    > 1,
-                Self::TwoModels,
-            ),
+            (has_two_models(has), Self::TwoModels),
             (
                 has("STANDARD_MATERIAL_ANISOTROPY") && !has("VERTEX_TANGENTS"),
                 Self::NoTangents,
