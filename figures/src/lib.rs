@@ -7,6 +7,7 @@
 //! - [`page`]: one HTML file of all figures.
 //! - [`report`]: runs all benches for such a page.
 //! - [`isa`]: compiles shaders for GPUs that are not there.
+//! - [`wipe`]: pictures of the docs, off and on.
 
 pub mod benches;
 pub mod docs;
@@ -19,3 +20,4 @@ pub mod report;
 pub mod store;
 pub mod table;
 pub mod time;
+pub mod wipe;

@@ -14,6 +14,7 @@ use bevy_lean_deferred_figures::{
     page,
     report::{Mode, Report, root},
     store::{Bundle, benches_in},
+    wipe,
 };
 
 /// Figures of the benches, as tables, plots, pages and in the docs.
@@ -32,6 +33,7 @@ enum Command {
     Add(AddArgs),
     Docs(DocsArgs),
     Isa(IsaArgs),
+    Wipe(WipeArgs),
 }
 
 /// Runs all benches, and makes a page of their figures.
@@ -137,6 +139,19 @@ struct IsaArgs {
     out: PathBuf,
 }
 
+/// Writes a JPEG file with a vertical strip of each of several pictures, from left to right.
+#[derive(FromArgs)]
+#[argh(subcommand, name = "wipe")]
+struct WipeArgs {
+    /// the JPEG file
+    #[argh(positional)]
+    out: PathBuf,
+
+    /// PNG files of one size
+    #[argh(positional)]
+    pictures: Vec<PathBuf>,
+}
+
 fn main() -> ExitCode {
     let args: Args = argh::from_env();
     let done = match args.command {
@@ -146,6 +161,7 @@ fn main() -> ExitCode {
         Command::Add(args) => add(&args),
         Command::Docs(args) => docs(args.check),
         Command::Isa(args) => compile(args),
+        Command::Wipe(args) => wipe::write(&args.pictures, &args.out),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
