@@ -32,8 +32,10 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
     var side = FIRST_SIDE;
     var inverse_side = 1.0 / FIRST_SIDE;
     var u = (*state).u;
-    // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start. It may
-    // also show what hides the mirror: then the ray starts behind it.
+    // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start, and with a
+    // tolerance, because what leans to the viewer is nearer there than where it touches. The pixel may also show what hides the
+    // mirror: then the ray starts behind it.
+    let first = u;
     var z = ray.start.z;
     var was_in_front = false;
     var hit: RayHit;
@@ -63,7 +65,8 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
         var passes = is_in_front || reached < depths.y;
         if !passes && is_pixel {
             is_in_front = next_z > depth;
-            if (was_in_front || z > depth) && !is_in_front {
+            let tolerance = select(0.0, edge_step(depth, 1.0), u == first);
+            if (was_in_front || z > depth - tolerance) && !is_in_front {
                 let middle = 0.5 * (u + next);
                 let pixel = pixel_on(ray, middle);
                 // A ray that enters in front of the surface and leaves behind it crosses it, however far behind. The tolerance
