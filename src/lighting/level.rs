@@ -11,8 +11,9 @@ use bevy::{
     render::Extract,
 };
 
-use super::features::{
-    ClusteredLights, LightingKey, MANY_LIGHTS, SceneFeatures, SceneLights, ShadowMaps,
+use super::{
+    features::{ClusteredLights, LightingKey, MANY_LIGHTS, SceneFeatures, SceneLights, ShadowMaps},
+    pipeline::LightingPipelines,
 };
 use crate::view::{GBufferTargets, LeanDeferred, PrewarmFeatures};
 
@@ -170,6 +171,19 @@ pub(super) fn extract_level_lights(
         !irradiance_volumes.is_empty(),
     );
     *level = found;
+}
+
+/// Forgets the levels of cameras that were despawned.
+pub(super) fn forget_levels(
+    pipelines: Option<ResMut<LightingPipelines>>,
+    mut despawned: Extract<RemovedComponents<Camera>>,
+) {
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for camera in despawned.read() {
+        pipelines.forget_level(camera.into());
+    }
 }
 
 impl SceneFeatures<'_, '_> {

@@ -270,6 +270,44 @@ fn it_may_be_inserted_again() {
     });
 }
 
+/// A camera that is prewarmed again is not lit by pipelines of its former level, unless they fit.
+#[test]
+fn former_levels_light_nothing() {
+    in_own_process(|| {
+        let mut headless = app(false);
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        s.solids();
+        s.sun(true);
+        let lamp = hidden_spot_light(&mut s);
+        let camera = s.default_camera((LeanDeferred::default(), LeanPrewarm::default()));
+        finish(&mut headless, camera);
+        // It has no shadow map, so only pipelines of the level light it without being made for it.
+        let light = |headless: &mut Headless| {
+            let before = requested(headless);
+            let lamp = headless.world().spawn((
+                SpotLight::default(),
+                Transform::from_xyz(-2.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
+            ));
+            let lamp = lamp.id();
+            headless.frames(FRAMES_AFTER);
+            headless.world().despawn(lamp);
+            headless.frames(FRAMES_AFTER);
+            requested(headless) - before
+        };
+        headless.frames(FRAMES_AFTER);
+        assert_eq!(light(&mut headless), 0);
+
+        headless.world().despawn(lamp);
+        let mut again = headless.world().entity_mut(camera);
+        again.insert(LeanPrewarm::default());
+        finish(&mut headless, camera);
+        headless.frames(FRAMES_AFTER);
+        assert!(light(&mut headless) > 0);
+    });
+}
+
 /// Messages about prewarms that compile nothing.
 fn refusals() -> Vec<String> {
     log_watch::messages_with("LeanPrewarm")
