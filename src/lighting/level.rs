@@ -217,9 +217,6 @@ impl SceneFeatures<'_, '_> {
     ) -> LightingKey {
         let view = now.view | level.probes | level.of_camera;
         let clustered_lights = now.clustered_lights | level.lights.clustered;
-        // Forward draws lightmapped meshes there.
-        let has_no_lightmaps =
-            view.contains(MeshPipelineKey::ENVIRONMENT_MAP) && !self.binding_arrays_are_usable();
         let light_layers = now.light_layers || level.has_light_layers;
         let mut targets = now.targets;
         if !light_layers {
@@ -235,7 +232,6 @@ impl SceneFeatures<'_, '_> {
             debug_view: None,
             light_layers,
             targets,
-            lightmaps: now.lightmaps && !has_no_lightmaps,
             ..now
         }
     }
