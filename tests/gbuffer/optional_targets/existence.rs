@@ -1,6 +1,6 @@
 //! A target exists while a visible mesh writes it, and for some frames longer.
 
-use bevy::{light::NotShadowReceiver, material::OpaqueRendererMethod, pbr::Lightmap, prelude::*};
+use bevy::{light::NotShadowReceiver, pbr::Lightmap, prelude::*};
 use bevy_lean_deferred::{
     gbuffer::{GBufferTargets, GBufferUsage},
     prelude::*,
@@ -93,57 +93,6 @@ fn materials_get_the_targets_that_they_need() {
     });
 }
 
-#[test]
-#[ignore = "nightly: `forward_reasons` has these materials"]
-fn what_has_no_bits_goes_forward_without_targets() {
-    in_own_process(|| {
-        type Change = fn(&mut StandardMaterial);
-        let cases: [(&str, Change); 11] = [
-            ("method", |m| {
-                m.opaque_render_method = OpaqueRendererMethod::Forward
-            }),
-            ("emissive below 0", |m| {
-                m.emissive = LinearRgba::rgb(1.0, -1.0, 0.0)
-            }),
-            ("coloured specular tint", |m| {
-                m.specular_tint = Color::srgb(1.0, 0.5, 0.5)
-            }),
-            ("reflectance NaN", |m| m.reflectance = f32::NAN),
-            ("reflectance above 2", |m| m.reflectance = 2.5),
-            ("clearcoat and anisotropy", |m| {
-                m.clearcoat = 0.5;
-                m.anisotropy_strength = 0.5;
-            }),
-            ("clearcoat on a normal map", |m| {
-                m.clearcoat = 0.5;
-                m.normal_map_texture = Some(Handle::default());
-            }),
-            ("anisotropy on a normal map", |m| {
-                m.anisotropy_strength = 0.5;
-                m.normal_map_texture = Some(Handle::default());
-            }),
-            ("negative thickness", |m| {
-                m.diffuse_transmission = 0.5;
-                m.thickness = -1.0;
-            }),
-            ("depth bias", |m| m.depth_bias = 100.0),
-            ("unlit below 0", |m| {
-                m.unlit = true;
-                m.base_color = Color::linear_rgb(1.0, -1.0, 0.0);
-            }),
-        ];
-        let mut headless = Headless::new(SMALL);
-        for (name, change) in cases {
-            let mut material = clay();
-            change(&mut material);
-            show_ball(&mut headless, material, ());
-            assert_eq!(usage(&mut headless).targets, NONE, "{name}");
-            assert!(forward_draws(&headless), "{name} does not go forward");
-        }
-        anisotropy_without_tangents_goes_forward(&mut headless);
-    });
-}
-
 fn meshes_get_the_targets_that_they_need(headless: &mut Headless) {
     show_ball(headless, clay(), NotShadowReceiver);
     assert_eq!(usage(headless).targets, SPECIALIZATION, "no receiver");
@@ -216,22 +165,21 @@ fn lightmapped_meshes_under_an_environment_are_lean() {
     });
 }
 
-/// Anisotropic highlights need tangents. Without them meshes are drawn by forward, which gives them a look of its own.
-fn anisotropy_without_tangents_goes_forward(headless: &mut Headless) {
-    show(headless, |s| {
-        let anisotropic = StandardMaterial {
+/// `forward_reasons` has the materials and meshes that forward draws.
+#[test]
+fn what_goes_forward_has_no_targets() {
+    in_own_process(|| {
+        let mut headless = Headless::new(SMALL);
+        let material = StandardMaterial {
+            clearcoat: 0.5,
             anisotropy_strength: 0.5,
+            emissive: LinearRgba::rgb(1.0, 0.0, 0.0),
             ..clay()
         };
-        s.mesh(Sphere::new(0.5), anisotropic, Transform::default());
-        s.sun(false);
-        s.default_camera(());
+        show_ball(&mut headless, material, ());
+        assert_eq!(usage(&mut headless).targets, NONE);
+        assert!(forward_draws(&headless));
     });
-    set_lean(headless, true);
-    headless.settle();
-    headless.frames(2);
-    assert_eq!(usage(headless).targets, NONE, "without tangents");
-    assert!(forward_draws(headless), "without tangents");
 }
 
 #[test]
