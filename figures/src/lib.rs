@@ -8,6 +8,7 @@
 //! - [`report`]: runs all benches for such a page.
 //! - [`isa`]: compiles shaders for GPUs that are not there.
 
+mod arguments;
 pub mod benches;
 pub mod docs;
 pub mod isa;
