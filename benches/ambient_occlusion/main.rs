@@ -11,57 +11,43 @@ mod run;
 mod scene;
 mod show;
 
-use argh::FromArgs;
-use bevy::math::UVec2;
 use contender::Contender;
 use figures::benches::{AmbientOcclusion, Figures};
-use kit::{figures::write_json, size::parse_size};
+use kit::{bench_args::list, figures::write_json, size::parse_size};
 
-/// GPU time, bytes and error of ambient occlusion.
-#[derive(FromArgs)]
-struct Args {
-    /// only contenders whose name contains one of these, separated by semicolons, beside those without occlusion; a
-    /// word after = is a whole name
-    #[argh(option, default = "String::new()")]
-    contender: String,
+kit::bench_args! {
+    /// GPU time, bytes and error of ambient occlusion.
+    struct Args {
+        /// only contenders whose name contains one of these, separated by semicolons, beside those without occlusion; a
+        /// word after = is a whole name
+        #[argh(option, default = "String::new()")]
+        contender: String,
 
-    /// sizes of the picture, comma-separated, default 1400x1050,1920x1080,3840x2160
-    #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
-    size: String,
+        /// sizes of the picture, comma-separated, default 1400x1050,1920x1080,3840x2160
+        #[argh(option, default = "String::from(\"1400x1050,1920x1080,3840x2160\")")]
+        size: String,
 
-    /// measured frames, default 40
-    #[argh(option, default = "40")]
-    frames: usize,
+        /// measured frames, default 40
+        #[argh(option, default = "40")]
+        frames: usize,
 
-    /// warm-up frames, default 15
-    #[argh(option, default = "15")]
-    warm_up: usize,
+        /// warm-up frames, default 15
+        #[argh(option, default = "15")]
+        warm_up: usize,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
+        /// write each picture of occlusion into this folder
+        #[argh(option)]
+        pictures: Option<String>,
 
-    /// write each picture of occlusion into this folder
-    #[argh(option)]
-    pictures: Option<String>,
-
-    /// time a scene of few meshes, for software renderers
-    #[argh(switch)]
-    small: bool,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// time a scene of few meshes, for software renderers
+        #[argh(switch)]
+        small: bool,
+    }
 }
 
 fn main() {
     let args: Args = argh::from_env();
-    let sizes: Result<Vec<UVec2>, String> = args.size.split(',').map(parse_size).collect();
-    let sizes = sizes.unwrap_or_else(|error| {
-        eprintln!("--size {}: {error}", args.size);
-        std::process::exit(1);
-    });
+    let sizes = list(&args.size, parse_size);
     let words: Vec<&str> = args.contender.split(';').collect();
     let contenders: Vec<Contender> = Contender::all()
         .into_iter()

@@ -1,7 +1,7 @@
 //! Shaders that only the bench has.
 
 use crate::{Args, timing::time};
-use kit::{exposure_gpu::ExposureGpu, gpu_time::Time};
+use kit::{exposure_gpu::ExposureGpu, gpu::compute_pipeline, gpu_time::Time};
 
 /// A dispatch.
 pub struct Kernel {
@@ -43,19 +43,5 @@ impl Kernel {
 
 /// Compiles an entry point, with the layout that the shader asks for.
 pub fn compile(gpu: &ExposureGpu, source: &str, entry_point: &str) -> wgpu::ComputePipeline {
-    let module = gpu
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-    gpu.device
-        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: None,
-            layout: None,
-            module: &module,
-            entry_point: Some(entry_point),
-            compilation_options: Default::default(),
-            cache: None,
-        })
+    compute_pipeline(&gpu.device, source, Some(entry_point))
 }

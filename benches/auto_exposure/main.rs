@@ -21,51 +21,45 @@ mod pyramid;
 mod ring;
 mod timing;
 
-use argh::FromArgs;
 use bevy::math::UVec2;
 use figures::benches::{
     AutoExposure, Figures,
     auto_exposure::{Group, Measurement, Size},
 };
-use kit::{exposure_gpu::ExposureGpu, figures::write_json, gpu::device_of, size::parse_size};
+use kit::{
+    bench_args::list, exposure_gpu::ExposureGpu, figures::write_json, gpu::device_of,
+    size::parse_size,
+};
 use picture::{Picture, Truth};
 use ring::Ring;
 
-/// GPU time, bandwidth and error of auto exposure.
-#[derive(FromArgs)]
-struct Args {
-    /// only contenders whose name contains one of these, separated by semicolons, beside the copies
-    #[argh(option, default = "String::new()")]
-    contender: String,
+kit::bench_args! {
+    /// GPU time, bandwidth and error of auto exposure.
+    struct Args {
+        /// only contenders whose name contains one of these, separated by semicolons, beside the copies
+        #[argh(option, default = "String::new()")]
+        contender: String,
 
-    /// sizes of the picture, comma-separated, default 1920x1080,3840x2160,7680x4320
-    #[argh(option, default = "String::from(\"1920x1080,3840x2160,7680x4320\")")]
-    size: String,
+        /// sizes of the picture, comma-separated, default 1920x1080,3840x2160,7680x4320
+        #[argh(option, default = "String::from(\"1920x1080,3840x2160,7680x4320\")")]
+        size: String,
 
-    /// measured frames, default 100
-    #[argh(option, default = "100")]
-    frames: usize,
+        /// measured frames, default 100
+        #[argh(option, default = "100")]
+        frames: usize,
 
-    /// warm-up frames, default 50
-    #[argh(option, default = "50")]
-    warm_up: usize,
+        /// warm-up frames, default 50
+        #[argh(option, default = "50")]
+        warm_up: usize,
 
-    /// megabytes of pictures that take turns, default 256 (at least 2 pictures, at most 16); 0 is one picture
-    #[argh(option, default = "256")]
-    ring_mb: u64,
+        /// megabytes of pictures that take turns, default 256 (at least 2 pictures, at most 16); 0 is one picture
+        #[argh(option, default = "256")]
+        ring_mb: u64,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
-
-    /// meter a single grey instead of gradients, noise and lights
-    #[argh(switch)]
-    flat: bool,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// meter a single grey instead of gradients, noise and lights
+        #[argh(switch)]
+        flat: bool,
+    }
 }
 
 impl Args {
@@ -82,8 +76,7 @@ fn main() {
         eprintln!("{text}");
         std::process::exit(1);
     };
-    let sizes: Result<Vec<UVec2>, String> = args.size.split(',').map(parse_size).collect();
-    let sizes = sizes.unwrap_or_else(|error| fail(format!("--size {}: {error}", args.size)));
+    let sizes = list(&args.size, parse_size);
     if args.frames == 0 {
         fail("--frames: at least 1".into());
     }

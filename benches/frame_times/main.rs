@@ -11,60 +11,51 @@ mod special;
 
 use std::{sync::Arc, thread::JoinHandle};
 
-use argh::FromArgs;
 use bevy::math::UVec2;
 use figures::benches::{Figures, FrameTimes};
 use kit::{figures::write_json, headless::Picture, size::parse_size};
 use run::{Contender, Difference};
 use scenes::BenchScene;
 
-/// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
-#[derive(FromArgs)]
-struct Args {
-    /// only scenes whose name contains one of these words, comma-separated
-    #[argh(option, default = "String::new()")]
-    scene: String,
+kit::bench_args! {
+    /// GPU time, bytes and error of a frame: Bevy forward, Bevy deferred, this crate.
+    struct Args {
+        /// only scenes whose name contains one of these words, comma-separated
+        #[argh(option, default = "String::new()")]
+        scene: String,
 
-    /// only the contenders with these names, comma-separated; forward, the first, is the reference of the others
-    #[argh(option)]
-    contender: Option<String>,
+        /// only the contenders with these names, comma-separated; forward, the first, is the reference of the others
+        #[argh(option)]
+        contender: Option<String>,
 
-    /// width x height of the picture, default 3840x2160
-    #[argh(option, default = "UVec2::new(3840, 2160)", from_str_fn(parse_size))]
-    size: UVec2,
+        /// width x height of the picture, default 3840x2160
+        #[argh(option, default = "UVec2::new(3840, 2160)", from_str_fn(parse_size))]
+        size: UVec2,
 
-    /// measured frames, default 40
-    #[argh(option, default = "40")]
-    frames: usize,
+        /// measured frames, default 40
+        #[argh(option, default = "40")]
+        frames: usize,
 
-    /// warm-up frames, default 15
-    #[argh(option, default = "15")]
-    warm_up: usize,
+        /// warm-up frames, default 15
+        #[argh(option, default = "15")]
+        warm_up: usize,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
+        /// write each picture into this folder
+        #[argh(option)]
+        pictures: Option<String>,
 
-    /// write each picture into this folder
-    #[argh(option)]
-    pictures: Option<String>,
+        /// glTF or GLB files to measure beside the built-in scenes, comma-separated
+        #[argh(option, default = "String::new()")]
+        gltf: String,
 
-    /// glTF or GLB files to measure beside the built-in scenes, comma-separated
-    #[argh(option, default = "String::new()")]
-    gltf: String,
+        /// glTF or GLB file to measure as a crowd, with 64 and with 512 lights
+        #[argh(option)]
+        crowd: Option<String>,
 
-    /// glTF or GLB file to measure as a crowd, with 64 and with 512 lights
-    #[argh(option)]
-    crowd: Option<String>,
-
-    /// leave out FLIP, which takes seconds per picture at 4K
-    #[argh(switch)]
-    no_flip: bool,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// leave out FLIP, which takes seconds per picture at 4K
+        #[argh(switch)]
+        no_flip: bool,
+    }
 }
 
 fn main() {

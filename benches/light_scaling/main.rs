@@ -9,65 +9,56 @@ mod plan;
 mod run;
 mod scene;
 
-use argh::FromArgs;
 use contender::Contender;
 use figures::benches::{Figures, LightScaling};
-use kit::{figures::write_json, size::parse_size};
+use kit::{bench_args::list, figures::write_json, size::parse_size};
 use plan::Plan;
 use run::References;
 
-/// Cost of lighting over the number of lights: Bevy forward, Bevy deferred, this crate.
-#[derive(FromArgs)]
-struct Args {
-    /// numbers of lights, comma-separated, default 16,64,256,1024,4096,16384
-    #[argh(option, default = "String::from(\"16,64,256,1024,4096,16384\")")]
-    lights: String,
+kit::bench_args! {
+    /// Cost of lighting over the number of lights: Bevy forward, Bevy deferred, this crate.
+    struct Args {
+        /// numbers of lights, comma-separated, default 16,64,256,1024,4096,16384
+        #[argh(option, default = "String::from(\"16,64,256,1024,4096,16384\")")]
+        lights: String,
 
-    /// sizes of the picture, comma-separated, default 1920x1080,3840x2160
-    #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
-    sizes: String,
+        /// sizes of the picture, comma-separated, default 1920x1080,3840x2160
+        #[argh(option, default = "String::from(\"1920x1080,3840x2160\")")]
+        sizes: String,
 
-    /// contenders with these names, comma-separated, default Bevy forward, Bevy deferred and lean; others are lean per
-    /// pixel, lean culling by subgroups and lean culling in shared memory
-    #[argh(option)]
-    contender: Option<String>,
+        /// contenders with these names, comma-separated, default Bevy forward, Bevy deferred and lean; others are lean per
+        /// pixel, lean culling by subgroups and lean culling in shared memory
+        #[argh(option)]
+        contender: Option<String>,
 
-    /// most frames to measure, default 16; fewer if they are slow, at least 4; always even
-    #[argh(option, default = "16")]
-    frames: usize,
+        /// most frames to measure, default 16; fewer if they are slow, at least 4; always even
+        #[argh(option, default = "16")]
+        frames: usize,
 
-    /// warm-up frames, default 8; fewer if they are slow, at least 4
-    #[argh(option, default = "8")]
-    warm_up: usize,
+        /// warm-up frames, default 8; fewer if they are slow, at least 4
+        #[argh(option, default = "8")]
+        warm_up: usize,
 
-    /// once the median of a stage takes more milliseconds than this, larger numbers of lights are left out, default 400
-    #[argh(option, default = "400.0")]
-    limit_ms: f64,
+        /// once the median of a stage takes more milliseconds than this, larger numbers of lights are left out, default 400
+        #[argh(option, default = "400.0")]
+        limit_ms: f64,
 
-    /// reduce the scene to a quarter each way, for software renderers
-    #[argh(switch)]
-    small: bool,
+        /// reduce the scene to a quarter each way, for software renderers
+        #[argh(switch)]
+        small: bool,
 
-    /// keep the resolution of Bevy's grid of clusters, however long its lists of lights are
-    #[argh(switch)]
-    fixed_grid: bool,
+        /// keep the resolution of Bevy's grid of clusters, however long its lists of lights are
+        #[argh(switch)]
+        fixed_grid: bool,
 
-    /// memory bandwidth of the GPU in TB/s, for the bandwidth limit in plots
-    #[argh(option)]
-    bandwidth: Option<f64>,
+        /// memory bandwidth of the GPU in TB/s, for the bandwidth limit in plots
+        #[argh(option)]
+        bandwidth: Option<f64>,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
-
-    /// write each picture into this folder
-    #[argh(option)]
-    pictures: Option<String>,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// write each picture into this folder
+        #[argh(option)]
+        pictures: Option<String>,
+    }
 }
 
 fn main() {
@@ -76,17 +67,17 @@ fn main() {
 }
 
 fn measure(args: &Args) -> LightScaling {
-    let sizes = or_exit(list(&args.sizes, parse_size));
-    let mut lights = or_exit(list(&args.lights, |text| {
+    let sizes = list(&args.sizes, parse_size);
+    let mut lights = list(&args.lights, |text| {
         let number = text.parse::<u32>().ok().filter(|number| *number > 0);
         number.ok_or(format!("not a number of lights: {text}"))
-    }));
+    });
     lights.sort_unstable();
     let mut contenders = match &args.contender {
         None => Contender::ALL[..Contender::BY_DEFAULT].to_vec(),
-        Some(names) => or_exit(list(names, |name| {
+        Some(names) => list(names, |name| {
             Contender::named(name).ok_or(format!("no contender has the name {name}"))
-        })),
+        }),
     };
     contenders.sort_by_key(|c| c.index());
     let plan = Plan {
@@ -122,16 +113,4 @@ fn measure(args: &Args) -> LightScaling {
         }
     }
     figures
-}
-
-/// Parses comma-separated values.
-fn list<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<Vec<T>, String> {
-    text.split(',').map(|part| parse(part.trim())).collect()
-}
-
-fn or_exit<T>(result: Result<T, String>) -> T {
-    result.unwrap_or_else(|error| {
-        eprintln!("{error}");
-        std::process::exit(1)
-    })
 }

@@ -11,63 +11,48 @@ mod run;
 mod scene;
 mod stages;
 
-use argh::FromArgs;
 use bevy::math::UVec2;
 use figures::benches::{Figures, ManyMeshes};
-use kit::{figures::write_json, size::parse_size};
+use kit::{bench_args::list, figures::write_json, size::parse_size};
 use run::Contender;
 use scene::Motion;
 
-/// CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
-#[derive(FromArgs)]
-struct Args {
-    /// numbers of meshes, comma-separated, default 1000,10000,100000
-    #[argh(option, default = "String::from(\"1000,10000,100000\")")]
-    meshes: String,
+kit::bench_args! {
+    /// CPU time of a frame with many meshes: Bevy forward, Bevy deferred, this crate.
+    struct Args {
+        /// numbers of meshes, comma-separated, default 1000,10000,100000
+        #[argh(option, default = "String::from(\"1000,10000,100000\")")]
+        meshes: String,
 
-    /// only contenders whose name contains this, beside forward, the reference of the pictures
-    #[argh(option, default = "String::new()")]
-    contender: String,
+        /// only contenders whose name contains this, beside forward, the reference of the pictures
+        #[argh(option, default = "String::new()")]
+        contender: String,
 
-    /// width x height of the picture, default 640x360
-    #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
-    size: UVec2,
+        /// width x height of the picture, default 640x360
+        #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
+        size: UVec2,
 
-    /// measured frames, default 60
-    #[argh(option, default = "60")]
-    frames: usize,
+        /// measured frames, default 60
+        #[argh(option, default = "60")]
+        frames: usize,
 
-    /// how often each event is measured, default 3
-    #[argh(option, default = "3")]
-    events: usize,
+        /// how often each event is measured, default 3
+        #[argh(option, default = "3")]
+        events: usize,
 
-    /// give all meshes render layers and NotShadowReceiver, and the camera motion vectors
-    #[argh(switch)]
-    followed: bool,
+        /// give all meshes render layers and NotShadowReceiver, and the camera motion vectors
+        #[argh(switch)]
+        followed: bool,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
-
-    /// write each picture into this folder
-    #[argh(option)]
-    pictures: Option<String>,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// write each picture into this folder
+        #[argh(option)]
+        pictures: Option<String>,
+    }
 }
 
 fn main() {
     let args: Args = argh::from_env();
-    let numbers = args.meshes.split(',').map(|number| {
-        number.trim().parse().unwrap_or_else(|_| {
-            eprintln!("not a number of meshes: {number}");
-            std::process::exit(1)
-        })
-    });
-    let numbers: Vec<usize> = numbers.collect();
+    let numbers = list(&args.meshes, str::parse::<usize>);
     let contenders: Vec<Contender> = Contender::ALL
         .into_iter()
         .filter(|contender| {

@@ -9,7 +9,6 @@ mod contender;
 mod lamps;
 mod run;
 
-use argh::FromArgs;
 use bevy::math::UVec2;
 use contender::Contender;
 use figures::benches::{Figures, Motion};
@@ -19,53 +18,45 @@ use kit::{
     size::parse_size,
 };
 
-/// Screen-space reflections and GI in motion, beside Bevy's.
-#[derive(FromArgs)]
-struct Args {
-    /// only contenders whose name contains one of these, separated by semicolons
-    #[argh(option, default = "String::new()")]
-    contender: String,
+kit::bench_args! {
+    /// Screen-space reflections and GI in motion, beside Bevy's.
+    struct Args {
+        /// only contenders whose name contains one of these, separated by semicolons
+        #[argh(option, default = "String::new()")]
+        contender: String,
 
-    /// only these paths, comma-separated: walk, turn, strafe, look, car, door, lamp, flicker
-    #[argh(option, default = "String::new()")]
-    path: String,
+        /// only these paths, comma-separated: walk, turn, strafe, look, car, door, lamp, flicker
+        #[argh(option, default = "String::new()")]
+        path: String,
 
-    /// width x height of the picture, default 640x360
-    #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
-    size: UVec2,
+        /// width x height of the picture, default 640x360
+        #[argh(option, default = "UVec2::new(640, 360)", from_str_fn(parse_size))]
+        size: UVec2,
 
-    /// frames of a path, default 48
-    #[argh(option, default = "48")]
-    frames: usize,
+        /// frames of a path, default 48
+        #[argh(option, default = "48")]
+        frames: usize,
 
-    /// compare every so many frames with the truth, default 1
-    #[argh(option, default = "1")]
-    every: usize,
+        /// compare every so many frames with the truth, default 1
+        #[argh(option, default = "1")]
+        every: usize,
 
-    /// frames at rest until the truth has converged, a multiple of 16, default 64
-    #[argh(option, default = "64")]
-    rest: usize,
+        /// frames at rest until the truth has converged, a multiple of 16, default 64
+        #[argh(option, default = "64")]
+        rest: usize,
 
-    /// 192x144 pixels, 16 frames of a path, and 16 at rest: for software renderers
-    #[argh(switch)]
-    quick: bool,
+        /// 192x144 pixels, 16 frames of a path, and 16 at rest: for software renderers
+        #[argh(switch)]
+        quick: bool,
 
-    /// do not measure lamps
-    #[argh(switch)]
-    no_lamps: bool,
+        /// do not measure lamps
+        #[argh(switch)]
+        no_lamps: bool,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
-
-    /// write strips of frames into this folder: picture, truth and difference
-    #[argh(option)]
-    pictures: Option<String>,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// write strips of frames into this folder: picture, truth and difference
+        #[argh(option)]
+        pictures: Option<String>,
+    }
 }
 
 fn main() {

@@ -10,51 +10,42 @@ mod run;
 
 use std::process::{Command, Stdio};
 
-use argh::FromArgs;
 use bevy::math::UVec2;
 use figures::benches::{Figures, Stutter, stutter::Measurement};
 use kit::{figures::write_json, size::parse_size};
 use run::{Contender, Extent};
 
-/// Hitches of a walk through a level in which features come and go: Bevy forward, Bevy deferred, this crate.
-#[derive(FromArgs)]
-struct Args {
-    /// only the contenders with these names, comma-separated
-    #[argh(option)]
-    contender: Option<String>,
+kit::bench_args! {
+    /// Hitches of a walk through a level in which features come and go: Bevy forward, Bevy deferred, this crate.
+    struct Args {
+        /// only the contenders with these names, comma-separated
+        #[argh(option)]
+        contender: Option<String>,
 
-    /// only asynchronous or only synchronous compilation
-    #[argh(option, default = "String::new()")]
-    compilation: String,
+        /// only asynchronous or only synchronous compilation
+        #[argh(option, default = "String::new()")]
+        compilation: String,
 
-    /// width x height of the picture, default 1920x1080
-    #[argh(option, from_str_fn(parse_size))]
-    size: Option<UVec2>,
+        /// width x height of the picture, default 1920x1080
+        #[argh(option, from_str_fn(parse_size))]
+        size: Option<UVec2>,
 
-    /// frames of a walk, default 600
-    #[argh(option)]
-    frames: Option<usize>,
+        /// frames of a walk, default 600
+        #[argh(option)]
+        frames: Option<usize>,
 
-    /// most frames per second, default 60; 0 for no limit
-    #[argh(option, default = "60.0")]
-    fps: f64,
+        /// most frames per second, default 60; 0 for no limit
+        #[argh(option, default = "60.0")]
+        fps: f64,
 
-    /// a small picture and few frames, for software renderers
-    #[argh(switch)]
-    quick: bool,
+        /// a small picture and few frames, for software renderers
+        #[argh(switch)]
+        quick: bool,
 
-    /// write the figures to this file
-    #[argh(option)]
-    json: Option<String>,
-
-    /// run only the walk with this number and print its figures as JSON; the bench starts itself with it
-    #[argh(option)]
-    walk: Option<usize>,
-
-    /// given by cargo
-    #[argh(switch)]
-    #[expect(dead_code, reason = "cargo bench passes it")]
-    bench: bool,
+        /// run only the walk with this number and print its figures as JSON; the bench starts itself with it
+        #[argh(option)]
+        walk: Option<usize>,
+    }
 }
 
 impl Args {

@@ -9,6 +9,7 @@
 //! - [`isa`]: compiles shaders for GPUs that are not there.
 //! - [`wipe`]: pictures of the docs, off and on.
 
+mod arguments;
 pub mod benches;
 pub mod docs;
 pub mod isa;

@@ -6,7 +6,6 @@ pub mod choices;
 pub mod debug_view;
 pub mod dropped_model;
 pub mod fields;
-pub mod frame_times;
 pub mod gpu_times;
 pub mod keys;
 pub mod made_up_sky;

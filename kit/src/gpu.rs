@@ -138,3 +138,23 @@ pub fn read_texture(
         .copied()
         .collect()
 }
+
+/// Compiles a compute shader, with the layout that it asks for.
+pub fn compute_pipeline(
+    device: &wgpu::Device,
+    source: &str,
+    entry_point: Option<&str>,
+) -> wgpu::ComputePipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point,
+        compilation_options: Default::default(),
+        cache: None,
+    })
+}

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::{
-    device::render_plugin,
+    device::{render_plugin, render_plugin_within},
     gpu::{device_of, keep_drivers_loaded, read_texture},
     log_watch::LogWatch,
     shader_files::read_shader_files,
@@ -30,6 +30,7 @@ use bevy::{
 };
 use bevy_lean_deferred::{LeanDeferredPlugins, lighting::CompiledLighting};
 use figures::time::Device;
+use wgpu::Limits;
 
 /// Simulated time between two frames.
 pub const FRAME_TIME: Duration = Duration::from_micros(16_667);
@@ -67,6 +68,16 @@ impl Headless {
         let mut app = App::new();
         app.add_plugins((
             Self::default_plugins().set(render_plugin(synchronous)),
+            LeanDeferredPlugins,
+        ));
+        Self::from_app(size, app, configure)
+    }
+
+    /// As [`with`](Self::with), on a device whose limits are no better than `limits`.
+    pub fn within(limits: Limits, size: UVec2, configure: impl FnOnce(&mut App)) -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            Self::default_plugins().set(render_plugin_within(limits)),
             LeanDeferredPlugins,
         ));
         Self::from_app(size, app, configure)

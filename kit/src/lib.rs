@@ -10,6 +10,7 @@ pub mod analytic_lamps;
 pub mod analytic_light;
 pub mod analytic_mirrors;
 pub mod analytic_slabs;
+pub mod bench_args;
 pub mod bench_spans;
 pub mod compute;
 pub mod device;

@@ -2,7 +2,7 @@
 
 use core::iter::once;
 
-use bevy::render::render_resource::PipelineCache;
+use bevy::render::{render_resource::PipelineCache, sync_world::MainEntity};
 
 use super::inputs::RequestedViewItem;
 use crate::{
@@ -143,8 +143,14 @@ impl PipelineSelection<'_> {
         }
     }
 
-    /// Queues the pipelines that fit these levels, if they may be requested now. Returns the number of missing ones that may not.
-    pub(super) fn prewarm(&mut self, levels: Vec<LightingKey>, is_now: bool) -> usize {
+    /// Queues the pipelines that fit these levels of a `camera`, if they may be requested now. Returns the number of missing ones that
+    /// may not.
+    pub(super) fn prewarm(
+        &mut self,
+        camera: MainEntity,
+        levels: Vec<LightingKey>,
+        is_now: bool,
+    ) -> usize {
         let mut awaited = 0;
         for level in levels {
             if !self.may_fit(level) {
@@ -159,7 +165,7 @@ impl PipelineSelection<'_> {
                 continue;
             }
             if is_now {
-                self.pipelines.add_level(level);
+                self.pipelines.add_level(camera, level);
                 for key in missing {
                     self.pipelines.request(self.cache, self.watch, key);
                 }

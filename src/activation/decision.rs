@@ -126,6 +126,10 @@ fn decide(
         selection.request(key(&next), lighting);
     }
     if let Some(camera) = prewarmed {
+        let is_new = camera.view.is_none();
+        if is_new {
+            selection.pipelines.forget_level(id.main_entity);
+        }
         request_motion(
             &view,
             camera.all_features(),
@@ -139,7 +143,8 @@ fn decide(
             .into_iter()
             .flat_map(|now| scene.level_keys(now, &inputs.level, &camera.features, settings));
         let levels: Vec<LightingKey> = levels.collect();
-        camera.awaited_lighting = selection.prewarm(levels, camera.requests_lighting);
+        let is_now = camera.requests_lighting;
+        camera.awaited_lighting = selection.prewarm(id.main_entity, levels, is_now);
     }
     set_status(&view, active.as_ref(), lighting, inputs);
     apply(commands, &view, new_lighting, active);

@@ -41,9 +41,6 @@ pub enum ForwardReason {
     NoTangents,
     /// No [`GBufferMaterialPlugin`](super::GBufferMaterialPlugin) registers the type of the material.
     NotRegistered,
-    /// The mesh has a lightmap, the camera an environment map, and the device no binding arrays: Bevy's shader for both
-    /// does not compile there.
-    LightmapUnderEnvironment,
     /// The shader that draws the mesh into the G-buffer cannot be compiled.
     PipelineFailed,
     /// The pipeline of the mesh, or a target that it needs, is not ready yet. Forward draws it until then.
@@ -95,10 +92,6 @@ impl fmt::Display for ForwardReason {
             }
             Self::NotRegistered => {
                 "the type of its material is not registered: add `GBufferMaterialPlugin` for it"
-            }
-            Self::LightmapUnderEnvironment => {
-                "it has a lightmap under an environment map, and the device has no binding arrays: \
-                 remove one of the maps"
             }
             Self::PipelineFailed => {
                 "its shader for the G-buffer cannot be compiled: the log has the error"

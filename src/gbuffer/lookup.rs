@@ -5,7 +5,7 @@ use core::{hash::BuildHasher, ops::Deref};
 use bevy::{
     asset::UntypedAssetId,
     material::RenderPhaseType,
-    pbr::{MeshPipeline, MeshPipelineKey, PreparedMaterial, RenderMeshQueueData},
+    pbr::{MeshPipelineKey, PreparedMaterial, RenderMeshQueueData},
     platform::hash::FixedHasher,
     prelude::*,
     render::{
@@ -39,7 +39,6 @@ system_param! {
         pub(super) lightmapped_meshes: Res<'w, LightmappedMeshes>,
         moving_meshes: Res<'w, MovingMeshes>,
         pub(super) visibility_ranges: Res<'w, RenderVisibilityRanges>,
-        mesh_pipeline: Res<'w, MeshPipeline>,
     }
 }
 
@@ -151,7 +150,6 @@ impl MeshLookup<'_> {
         &self,
         entity: MainEntity,
         mesh: &MeshToQueue<'a>,
-        view_key: MeshPipelineKey,
     ) -> Result<(MeshDemand, &'a MaterialShaders), ForwardReason> {
         let mut targets = self.special_meshes.targets(entity);
         if self.moving_meshes.contains(entity) {
@@ -161,27 +159,17 @@ impl MeshLookup<'_> {
             targets |= GBufferTargets::VISIBILITY_MASK;
         }
         let lightmapped = self.lightmapped_meshes.key(entity).is_some();
-        self.needs_of(mesh, lightmapped, targets, view_key)
+        Self::needs_of(mesh, lightmapped, targets)
     }
 
     /// As [`gbuffer_needs`](Self::gbuffer_needs), for an instance that needs these `targets` beside those of its mesh and
     /// material.
     pub(super) fn needs_of<'a>(
-        &self,
         mesh: &MeshKind<'a>,
         lightmapped: bool,
         targets: GBufferTargets,
-        view_key: MeshPipelineKey,
     ) -> Result<(MeshDemand, &'a MaterialShaders), ForwardReason> {
         let (needs, shaders) = mesh.needs?;
-        // Bevy's `environment_map.wgsl` does not compile for lightmaps without binding arrays. Forward fails there too,
-        // but a lighting pipeline that never compiles would block all other special surfaces.
-        if lightmapped
-            && view_key.contains(MeshPipelineKey::ENVIRONMENT_MAP)
-            && !self.mesh_pipeline.binding_arrays_are_usable
-        {
-            return Err(ForwardReason::LightmapUnderEnvironment);
-        }
         let mut targets = needs.targets | targets;
         // Unlit surfaces have none of its light.
         if lightmapped && needs.shading_model != ShadingModel::Unlit {

@@ -118,7 +118,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             let Ok(mesh) = lookup.find(entity, self.recent_kinds) else {
                 continue;
             };
-            let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
+            let needs = lookup.gbuffer_needs(entity, &mesh);
             let Ok((demand, shaders)) = needs else {
                 continue;
             };

@@ -1,5 +1,7 @@
 //! Requests the pipelines of all meshes in the main world while cameras are prewarmed, hidden and distant ones too.
 
+use core::mem::replace;
+
 use bevy::{
     asset::{AssetServer, LoadState, UntypedAssetId},
     camera::visibility::{RenderLayers, VisibilityRange},
@@ -69,13 +71,27 @@ impl PrewarmedKind {
     }
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct KindState {
-    /// The mesh, the material or its textures are still loading. Set by extraction in each frame, so that no kind is waited for whose
-    /// last mesh was despawned.
-    is_loading: bool,
+    /// True if the mesh, the material or its textures are still loading. Set by extraction in each frame, so that no kind is waited
+    /// for whose last mesh was despawned.
+    is_loading: Option<bool>,
+    /// Not prepared in this frame.
+    is_missing: bool,
     /// Frames for which it was not prepared although they are loaded.
     waited: u32,
+}
+
+impl KindState {
+    fn may_come(&self) -> bool {
+        self.is_loading == Some(true) || self.waited < PATIENCE
+    }
+
+    fn end_frame(&mut self) {
+        let is_missing = replace(&mut self.is_missing, false);
+        let is_loading = self.is_loading.take() == Some(true);
+        self.waited += u32::from(is_missing && !is_loading);
+    }
 }
 
 /// In the render world: the kinds of meshes in the main world, while cameras are prewarmed.
@@ -110,11 +126,14 @@ pub(super) fn extract_prewarmed_meshes<M: Material>(
             crossfades: range.is_some_and(|range| !range.is_abrupt()),
         };
         let state = kinds.0.entry(kind).or_default();
+        if state.is_loading.is_some() {
+            continue;
+        }
         let mut loads = is_loading(kind.mesh.untyped()) || is_loading(kind.material);
         if let Some(material) = materials.get(&material.0) {
             material.visit_dependencies(&mut |texture| loads |= is_loading(texture));
         }
-        state.is_loading = loads;
+        state.is_loading = Some(loads);
     }
 }
 
@@ -194,12 +213,11 @@ pub(super) fn prewarm_meshes(
         let mut loading = 0;
         let mut meshes = Vec::new();
         for (kind, state) in &mut kinds.0 {
-            match find(&lookup, *kind, view_key) {
+            match find(&lookup, *kind) {
                 Ok(mesh) => meshes.push(mesh),
                 Err(ForwardReason::Compiling) => {
-                    let may_come = state.is_loading || state.waited < PATIENCE;
-                    state.waited += u32::from(!state.is_loading);
-                    loading += usize::from(may_come);
+                    state.is_missing = true;
+                    loading += usize::from(state.may_come());
                 }
                 Err(_) => {}
             }
@@ -223,21 +241,15 @@ pub(super) fn prewarm_meshes(
             }
         }
     }
-    for state in kinds.0.values_mut() {
-        state.is_loading = false;
-    }
+    kinds.0.values_mut().for_each(KindState::end_frame);
 }
 
 /// Finds a mesh of this kind. The reason is [`ForwardReason::Compiling`] if its assets are not prepared.
-fn find<'a>(
-    lookup: &'a MeshLookup,
-    kind: PrewarmedKind,
-    view_key: MeshPipelineKey,
-) -> Result<CarriedMesh<'a>, ForwardReason> {
+fn find<'a>(lookup: &'a MeshLookup, kind: PrewarmedKind) -> Result<CarriedMesh<'a>, ForwardReason> {
     let mesh = lookup.find_kind(kind.material, kind.mesh);
     let mesh = mesh.map_err(|_| ForwardReason::Compiling)?;
     let lightmapped = kind.lightmap.is_some();
-    let (demand, shaders) = lookup.needs_of(&mesh, lightmapped, kind.targets(), view_key)?;
+    let (demand, shaders) = MeshLookup::needs_of(&mesh, lightmapped, kind.targets())?;
     Ok(CarriedMesh {
         kind,
         mesh,
@@ -259,6 +271,24 @@ mod tests {
         assert_eq!(sets, [empty, emissive, special, emissive | special]);
         let every = GBufferTargets::all().iter();
         assert_eq!(sets_of_targets(every).len(), 16);
+    }
+
+    /// A frame counts once, however many views miss the mesh in it.
+    #[test]
+    fn meshes_that_are_loaded_are_waited_for_a_while() {
+        let mut state = KindState::default();
+        let mut end_frame = |is_loading| {
+            state.is_loading = is_loading;
+            state.is_missing = true;
+            let may_come = state.may_come();
+            state.end_frame();
+            may_come
+        };
+        assert!((0..2 * PATIENCE).all(|_| end_frame(Some(true))));
+        assert!((0..PATIENCE).all(|_| end_frame(Some(false))));
+        assert!(!end_frame(Some(false)));
+        assert!(!end_frame(None));
+        assert!(end_frame(Some(true)));
     }
 
     #[test]

@@ -278,7 +278,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
         let phase_type =
             BinnedRenderPhaseType::mesh(mesh.instance.should_batch(), self.gpu_preprocessing);
-        let needs = lookup.gbuffer_needs(entity, &mesh, self.view_key);
+        let needs = lookup.gbuffer_needs(entity, &mesh);
         match &needs {
             Ok((demand, _)) => self.demand.insert(entity, *demand),
             Err(_) => self.demand.remove(entity),

@@ -17,6 +17,8 @@ pub(crate) struct GrowingSize {
     needed: UVec2,
     /// Frames in a row that needed the same size; at least [`REST`] at first.
     unchanged: u32,
+    /// Headroom did not fit into memory since the view was last at rest.
+    has_no_headroom: bool,
 }
 
 impl GrowingSize {
@@ -33,7 +35,8 @@ impl GrowingSize {
             0
         };
         self.needed = needed;
-        self.allocated = if is_exact || self.unchanged >= REST {
+        self.has_no_headroom &= self.unchanged < REST;
+        self.allocated = if is_exact || self.has_no_headroom || self.unchanged >= REST {
             needed
         } else {
             let grown = if was_at_rest {
@@ -46,6 +49,20 @@ impl GrowingSize {
             UVec2::select(needed.cmpgt(self.allocated), grown, self.allocated)
         };
         self.allocated
+    }
+
+    pub(crate) fn allocated(&self) -> UVec2 {
+        self.allocated
+    }
+
+    pub(crate) fn has_headroom(&self) -> bool {
+        self.allocated != self.needed
+    }
+
+    /// Takes the headroom away until the view is at rest.
+    pub(crate) fn drop_headroom(&mut self) {
+        self.has_no_headroom = true;
+        self.allocated = self.needed;
     }
 }
 
@@ -108,6 +125,25 @@ mod tests {
         let grown = size.fit(sides[2], LARGEST, false);
         assert_eq!(grown, UVec2::new(LARGEST, 1083));
         assert_eq!(size.fit(sides[2], LARGEST, true), sides[2]);
+    }
+
+    #[test]
+    fn views_without_memory_for_headroom_are_exact_until_they_rest() {
+        let mut size = GrowingSize::default();
+        let sides = [0, 1, 2, 3].map(|step| UVec2::new(640 + 20 * step, 480));
+        size.fit(sides[0], LARGEST, false);
+        size.fit(sides[1], LARGEST, false);
+        assert!(!size.has_headroom(), "a single change has none");
+        assert!(size.fit(sides[2], LARGEST, false).x > sides[2].x);
+        size.drop_headroom();
+        assert_eq!(size.allocated(), sides[2]);
+        assert_eq!(size.fit(sides[3], LARGEST, false), sides[3]);
+        for _ in 0..REST {
+            size.fit(sides[3], LARGEST, false);
+        }
+        size.fit(sides[0] * 2, LARGEST, false);
+        let again = sides[1] * 2;
+        assert!(size.fit(again, LARGEST, false).x > again.x);
     }
 
     #[test]

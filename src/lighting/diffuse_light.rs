@@ -52,20 +52,19 @@ pub(super) fn prepare_diffuse_light(
         let (_, needed) = lit_pixels(camera, target, resolution);
         let mut growing = current.as_ref().map(|light| light.size).unwrap_or_default();
         let size = growing.fit(needed.max(UVec2::ONE), largest, false);
-        let size = size.to_extents();
         if let Some(current) = &mut current {
             current.size = growing;
             if current.last.texture.id() != current.texture.texture.id() {
                 current.last = current.texture.clone();
             }
-            if current.texture.texture.size() == size {
+            if current.texture.texture.size() == size.to_extents() {
                 continue;
             }
         }
         let label = "lean_deferred/lighting/diffuse";
-        let descriptor = TextureDescriptor {
+        let descriptor = |size: UVec2| TextureDescriptor {
             label: Some(label),
-            size,
+            size: size.to_extents(),
             mip_level_count: 1,
             sample_count: 1,
             dimension: TextureDimension::D2,
@@ -75,8 +74,8 @@ pub(super) fn prepare_diffuse_light(
                 | TextureUsages::COPY_SRC,
             view_formats: &[],
         };
-        let made = memory.fit(&device, entity, label, || {
-            device.create_texture(&descriptor)
+        let made = memory.fit_growing(&device, entity, label, &mut growing, |size| {
+            device.create_texture(&descriptor(size))
         });
         let Some(texture) = made else {
             commands.entity(entity).remove::<DiffuseLight>();
@@ -88,7 +87,10 @@ pub(super) fn prepare_diffuse_light(
             default_view,
         };
         match current {
-            Some(mut current) => current.texture = texture,
+            Some(mut current) => {
+                current.texture = texture;
+                current.size = growing;
+            }
             None => {
                 commands.entity(entity).insert(DiffuseLight {
                     last: texture.clone(),

@@ -215,11 +215,6 @@ impl SceneFeatures<'_, '_> {
         pipeline.is_some_and(|pipeline| pipeline.clustered_decals_are_usable)
     }
 
-    pub(super) fn binding_arrays_are_usable(&self) -> bool {
-        let pipeline = self.mesh_pipeline.as_ref();
-        pipeline.is_some_and(|pipeline| pipeline.binding_arrays_are_usable)
-    }
-
     /// The key for a view with Bevy's `view_key` and this projection, in a scene with these `lights`.
     pub(crate) fn key(
         &self,

@@ -11,8 +11,9 @@ use bevy::{
     render::Extract,
 };
 
-use super::features::{
-    ClusteredLights, LightingKey, MANY_LIGHTS, SceneFeatures, SceneLights, ShadowMaps,
+use super::{
+    features::{ClusteredLights, LightingKey, MANY_LIGHTS, SceneFeatures, SceneLights, ShadowMaps},
+    pipeline::LightingPipelines,
 };
 use crate::view::{GBufferTargets, LeanDeferred, PrewarmFeatures};
 
@@ -172,6 +173,19 @@ pub(super) fn extract_level_lights(
     *level = found;
 }
 
+/// Forgets the levels of cameras that were despawned.
+pub(super) fn forget_levels(
+    pipelines: Option<ResMut<LightingPipelines>>,
+    mut despawned: Extract<RemovedComponents<Camera>>,
+) {
+    let Some(mut pipelines) = pipelines else {
+        return;
+    };
+    for camera in despawned.read() {
+        pipelines.forget_level(camera.into());
+    }
+}
+
 impl SceneFeatures<'_, '_> {
     /// The keys of views of a level: with what a view has `now`, all lights of the level, and each of these sets of features; with
     /// and without its light probes, which reach some views only.
@@ -203,9 +217,6 @@ impl SceneFeatures<'_, '_> {
     ) -> LightingKey {
         let view = now.view | level.probes | level.of_camera;
         let clustered_lights = now.clustered_lights | level.lights.clustered;
-        // Forward draws lightmapped meshes there.
-        let has_no_lightmaps =
-            view.contains(MeshPipelineKey::ENVIRONMENT_MAP) && !self.binding_arrays_are_usable();
         let light_layers = now.light_layers || level.has_light_layers;
         let mut targets = now.targets;
         if !light_layers {
@@ -221,7 +232,6 @@ impl SceneFeatures<'_, '_> {
             debug_view: None,
             light_layers,
             targets,
-            lightmaps: now.lightmaps && !has_no_lightmaps,
             ..now
         }
     }

@@ -166,6 +166,7 @@ impl Plugin for LightingPlugin {
                 (
                     light_layers::extract_light_layers.in_set(EffectSystems::Lean),
                     level::extract_level_lights.in_set(PrewarmExtraction),
+                    level::forget_levels,
                 ),
             )
             .add_systems(

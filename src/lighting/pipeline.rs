@@ -11,6 +11,7 @@ use bevy::{
             SamplerDescriptor,
         },
         renderer::{RenderAdapter, RenderDevice},
+        sync_world::MainEntity,
     },
     shader::ShaderDefVal,
 };
@@ -38,8 +39,8 @@ pub(crate) struct LightingPipelines {
     pub(super) room: Option<LightingKey>,
     /// The keys of the general pipelines that were requested.
     pub(super) general: Vec<LightingKey>,
-    /// The keys of prewarmed levels.
-    pub(super) levels: Vec<LightingKey>,
+    /// The keys of the level that each camera was prewarmed for last.
+    levels: Vec<(MainEntity, LightingKey)>,
     /// Created with the first of these.
     pub(super) placeholders: Option<Placeholders>,
     pub(super) device: RenderDevice,
@@ -107,16 +108,22 @@ impl LightingPipelines {
         })
     }
 
-    /// Records `key` as that of a prewarmed level: its pipelines light all views that they fit or that need less.
-    pub(crate) fn add_level(&mut self, key: LightingKey) {
-        if !self.levels.contains(&key) {
-            self.levels.push(key);
+    /// Records `key` as that of a level for which `camera` is prewarmed: its pipelines light all views that they fit or that need
+    /// less.
+    pub(crate) fn add_level(&mut self, camera: MainEntity, key: LightingKey) {
+        if !self.levels.contains(&(camera, key)) {
+            self.levels.push((camera, key));
         }
+    }
+
+    /// Forgets the level of `camera`. Its pipelines stay, for views that they fit.
+    pub(crate) fn forget_level(&mut self, camera: MainEntity) {
+        self.levels.retain(|(other, _)| *other != camera);
     }
 
     /// The keys of prewarmed levels whose pipelines light a view with the key `need`. They may still be compiling.
     pub(crate) fn levels_for(&self, need: LightingKey) -> impl Iterator<Item = LightingKey> {
-        let levels = self.levels.iter().copied();
+        let levels = self.levels.iter().map(|(_, key)| *key);
         levels.filter(move |key| key.includes(need))
     }
 

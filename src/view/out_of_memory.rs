@@ -12,6 +12,7 @@ use bevy::{
 use wgpu::ErrorFilter;
 
 use super::lighting_io::{LightingIo, LightingIoQuery};
+use crate::gpu::growing_size::GrowingSize;
 
 /// In the render world: the cameras whose textures do not fit.
 #[derive(Resource, Default)]
@@ -42,14 +43,51 @@ impl OutOfMemory {
         if self.lacking.contains_key(&view) {
             return None;
         }
+        let made = self.create(device, label, false, make);
+        made.map_err(|error| self.leave(view, label, &error)).ok()
+    }
+
+    /// As [`fit`](Self::fit), for textures of this `size`. Headroom that does not fit is left away.
+    pub(crate) fn fit_growing<T>(
+        &mut self,
+        device: &RenderDevice,
+        view: Entity,
+        label: &'static str,
+        size: &mut GrowingSize,
+        mut make: impl FnMut(UVec2) -> T,
+    ) -> Option<T> {
+        if self.lacking.contains_key(&view) {
+            return None;
+        }
+        let has_headroom = size.has_headroom();
+        let mut made = self.create(device, label, has_headroom, || make(size.allocated()));
+        if made.is_err() && has_headroom {
+            size.drop_headroom();
+            made = self.create(device, label, false, || make(size.allocated()));
+        }
+        made.map_err(|error| self.leave(view, label, &error)).ok()
+    }
+
+    /// Calls `make` within an error scope. `has_headroom` matters to tests alone.
+    fn create<T>(
+        &mut self,
+        device: &RenderDevice,
+        label: &str,
+        has_headroom: bool,
+        make: impl FnOnce() -> T,
+    ) -> Result<T, wgpu::Error> {
         let scope = (device.wgpu_device()).push_error_scope(ErrorFilter::OutOfMemory);
         let made = make();
         #[cfg(feature = "test_hooks")]
-        self.hooks.create(device, label);
+        self.hooks.create(device, label, has_headroom);
+        #[cfg(not(feature = "test_hooks"))]
+        let _ = (label, has_headroom);
         let error = now_or_never(scope.pop()).flatten();
-        let Some(error) = error else {
-            return Some(made);
-        };
+        error.map_or(Ok(made), Err)
+    }
+
+    /// Leaves the camera `view` to Bevy.
+    fn leave(&mut self, view: Entity, label: &'static str, error: &wgpu::Error) {
         error!(
             "{label} does not fit into the GPU's memory: {error}. Bevy renders the camera. Make its target smaller or remove effects."
         );
@@ -58,7 +96,6 @@ impl OutOfMemory {
             tried_with: None,
         };
         self.lacking.insert(view, lack);
-        None
     }
 
     /// The label of the texture that did not fit.
@@ -100,15 +137,18 @@ mod test_hooks {
     pub(super) struct Hooks {
         /// Textures whose labels have this prefix do not fit.
         scarce: Option<&'static str>,
+        /// Only those with headroom do not fit.
+        fits_without_headroom: bool,
         /// Number of creations within an error scope.
         attempts: usize,
     }
 
     impl Hooks {
         /// Called within the error scope of each creation.
-        pub(super) fn create(&mut self, device: &RenderDevice, label: &str) {
+        pub(super) fn create(&mut self, device: &RenderDevice, label: &str, has_headroom: bool) {
             self.attempts += 1;
-            if self.scarce.is_some_and(|scarce| label.starts_with(scarce)) {
+            let is_scarce = self.scarce.is_some_and(|scarce| label.starts_with(scarce));
+            if is_scarce && (has_headroom || !self.fits_without_headroom) {
                 make_huge(device);
             }
         }
@@ -123,6 +163,13 @@ mod test_hooks {
         /// Pretends that textures whose labels have this prefix do not fit.
         pub fn make_scarce(&mut self, labels: Option<&'static str>) {
             self.hooks.scarce = labels;
+            self.hooks.fits_without_headroom = false;
+        }
+
+        /// As [`make_scarce`](Self::make_scarce), but only headroom does not fit.
+        pub fn make_headroom_scarce(&mut self, labels: &'static str) {
+            self.hooks.scarce = Some(labels);
+            self.hooks.fits_without_headroom = true;
         }
     }
 

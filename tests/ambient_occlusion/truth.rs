@@ -1,8 +1,7 @@
-//! Checks the ground truth for ambient occlusion: closed forms against Monte Carlo integrals, and the screen-space integral of depth
-//! buffers against closed forms. Nothing runs on the device.
+//! Checks the ground truth for ambient occlusion: closed forms of scenes against Monte Carlo integrals, and the screen-space integral
+//! of depth buffers against closed forms. Nothing runs on the device.
 
 mod camera;
-mod closed_forms;
 mod directions;
 mod integrator;
 mod scenes;

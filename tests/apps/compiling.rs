@@ -501,42 +501,6 @@ fn effects_go_on_when_a_projection_becomes_plain() {
     });
 }
 
-/// Occlusion comes to a lean camera, and is then filtered otherwise: until gather and lighting are compiled for it, the camera is lit
-/// as before.
-#[test]
-#[ignore = "nightly: a part of what effects show above"]
-fn a_camera_stays_lean_while_lighting_compiles_for_occlusion() {
-    in_own_process(|| {
-        let mut walk = Walk::new();
-        let mut camera = walk.headless.world().entity_mut(walk.tested);
-        camera.insert(LeanDeferred::default());
-        walk.settle();
-        assert_eq!(active_lean_views(&mut walk.headless), 1);
-        let is_on = |walk: &mut Walk| {
-            let status = walk.headless.world().get::<LeanStatus>(walk.tested);
-            status.is_some_and(|status| status.ambient_occlusion.is_on())
-        };
-        for resolution in LeanResolution::ALL {
-            let was_on = is_on(&mut walk);
-            let stalled_pipelines = StalledPipelines::new();
-            let mut camera = walk.headless.world().entity_mut(walk.tested);
-            camera.insert(LeanScreenSpaceAmbientOcclusion {
-                resolution,
-                ..default()
-            });
-            for frame in 0..HELD_BACK {
-                walk.step();
-                let lean = active_lean_views(&mut walk.headless);
-                assert_eq!(lean, 1, "{resolution:?}, frame {frame}");
-                assert!(is_on(&mut walk) || !was_on, "{resolution:?}, frame {frame}");
-            }
-            drop(stalled_pipelines);
-            walk.settle();
-            assert!(is_on(&mut walk), "{resolution:?}");
-        }
-    });
-}
-
 #[test]
 fn lean_cameras_show_what_forward_cameras_show() {
     in_own_process(|| show_changes(false));

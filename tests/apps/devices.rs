@@ -7,14 +7,12 @@ use bevy::{
     render::render_resource::{DownlevelFlags, TextureFormat, TextureUsages},
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins,
     activation::{NEEDED_FLAGS, NEEDED_FORMATS, NEEDED_LIMITS, NeededLimit, missing_of},
     effects::{self, ambient_occlusion, auto_exposure, subsurface},
     prelude::*,
 };
 use kit::{
     analytic_slabs::{SKIN, slab},
-    device::render_plugin_within,
     gpu,
     headless::Headless,
     lean::active_lean_views,
@@ -28,12 +26,7 @@ const SIZE: UVec2 = UVec2::new(96, 64);
 
 /// An app on a device with limits no better than `limits`, and a camera with Bevy's defaults.
 fn app_within(limits: Limits) -> (Headless, Entity) {
-    let mut app = App::new();
-    app.add_plugins((
-        Headless::default_plugins().set(render_plugin_within(limits)),
-        LeanDeferredPlugins,
-    ));
-    let mut headless = Headless::from_app(SIZE, app, |_| {});
+    let mut headless = Headless::within(limits, SIZE, |_| {});
     let mut s = SceneBuilder {
         headless: &mut headless,
     };

@@ -137,14 +137,6 @@ fn settled(headless: &mut Headless) -> Picture {
 }
 
 #[test]
-#[ignore = "nightly: Bevy alone"]
-fn bevy_alone_survives() {
-    in_own_process(|| {
-        survives("forward", ());
-    });
-}
-
-#[test]
 #[ignore = "nightly: lean cameras without effects"]
 fn lean_cameras_survive() {
     in_own_process(|| {

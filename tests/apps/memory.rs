@@ -178,35 +178,6 @@ fn cameras_that_are_not_metered_hold_nothing_for_it() {
     check_states::<LeanAutoExposure>(&[State::SwitchedOff, State::NotHdr], true);
 }
 
-#[test]
-#[ignore = "nightly: a part of what other tests here show"]
-fn removed_occlusion_is_given_back() {
-    let mut camera = Entity::PLACEHOLDER;
-    let mut headless = build(UVec2::new(160, 120), |s| {
-        s.solids();
-        camera = s.default_camera(());
-    });
-    for lean in [false, true] {
-        set_lean(&mut headless, lean);
-        let [with, without, again] = [true, false, true].map(|with| {
-            let mut camera = headless.world().entity_mut(camera);
-            if with {
-                camera.insert(LeanScreenSpaceAmbientOcclusion::default());
-            } else {
-                camera.remove::<LeanScreenSpaceAmbientOcclusion>();
-            }
-            let held = held(&mut headless);
-            println!("lean: {lean}, occlusion: {with}, {held:?}");
-            held
-        });
-        assert_eq!(with, again);
-        assert_eq!(with.textures, without.textures + 1);
-        assert_eq!(with.texture_views, without.texture_views + 1);
-        let groups = if lean { 1 } else { 2 };
-        assert_eq!(with.bind_groups, without.bind_groups + groups);
-    }
-}
-
 /// Bind groups that all views hold in their `C`.
 fn groups_of<C: Component>(
     headless: &mut Headless,

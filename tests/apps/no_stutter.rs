@@ -10,9 +10,8 @@ use bevy::{
         render_resource::{PipelineCache, PipelineDescriptor},
     },
 };
-use bevy_lean_deferred::{LeanDeferredPlugins, lighting::CompiledLighting, prelude::*};
+use bevy_lean_deferred::{lighting::CompiledLighting, prelude::*};
 use kit::{
-    device::render_plugin_within,
     gpu,
     headless::{Headless, small_shadow_maps},
     lean::{active_lean_views, compile_lighting, is_lit_by_general},
@@ -267,12 +266,7 @@ fn devices_with_few_bindings_have_general_pipelines() {
             max_storage_buffers_per_shader_stage: 8,
             ..gpu::limits()
         };
-        let mut app = App::new();
-        app.add_plugins((
-            Headless::default_plugins().set(render_plugin_within(limits)),
-            LeanDeferredPlugins,
-        ));
-        let mut headless = Headless::from_app(SIZE, app, |app| {
+        let mut headless = Headless::within(limits, SIZE, |app| {
             small_shadow_maps(app);
             compile_lighting(app, CompiledLighting::General);
         });

@@ -3,11 +3,15 @@
 
 use std::sync::mpsc;
 
-use bevy::{prelude::*, render::RenderApp};
-use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*, view::OutOfMemory};
+use bevy::{camera::Viewport, prelude::*, render::RenderApp};
+use bevy_lean_deferred::{
+    material_extension::SubsurfaceAlbedo,
+    prelude::*,
+    view::{DiffuseLight, OutOfMemory},
+};
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, instant_exposure, settled},
+    lean::{active_lean_views, build, instant_exposure, settled},
     log_watch,
     metrics::pixel_difference,
     own_process::in_own_process,
@@ -130,6 +134,50 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
     assert_eq!(difference.largest, 0, "{label}: {difference}");
     assert!(log_watch::messages_with("Caught rendering error").is_empty());
     log_watch::assert_validation_layer_silent();
+}
+
+fn set_viewport(headless: &mut Headless, camera: Entity, width: u32) {
+    let mut camera = headless.world().entity_mut(camera);
+    let mut camera = camera.get_mut::<Camera>().expect("it is one");
+    camera.viewport = Some(Viewport {
+        physical_size: UVec2::new(width, 48),
+        ..default()
+    });
+}
+
+/// While a view is resized, textures whose headroom does not fit are created without it, and the camera stays lean.
+#[test]
+fn headroom_of_a_resized_view() {
+    in_own_process(|| {
+        let mut camera = Entity::PLACEHOLDER;
+        let mut headless = build(SIZE, |s| camera = scene(s));
+        headless.world().entity_mut(camera).insert((
+            LeanDeferred::default(),
+            LeanScreenSpaceGi::default(),
+            LeanScreenSpaceReflections::default(),
+        ));
+        set_viewport(&mut headless, camera, 20);
+        at_rest(&mut headless);
+        headless.frames(60);
+        let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+        let mut memory = render_world.resource_mut::<OutOfMemory>();
+        memory.make_headroom_scarce("lean_deferred/");
+        for width in [30, 40, 50] {
+            set_viewport(&mut headless, camera, width);
+            headless.frame();
+            assert_eq!(active_lean_views(&mut headless), 1, "{width} pixels");
+        }
+        let render_world = headless.app.sub_app_mut(RenderApp).world_mut();
+        let mut lights = render_world.query::<&DiffuseLight>();
+        let light = lights.single(render_world).expect("GI reads it");
+        assert_eq!(light.texture.texture.width(), 50);
+        let status = headless.world().get::<LeanStatus>(camera).cloned();
+        for (component, status) in status.expect("it has effects").each() {
+            assert!(status.is_on(), "{component}: {status}");
+        }
+        let messages = log_watch::messages_with("does not fit into the GPU's memory");
+        assert!(messages.is_empty(), "{messages:#?}");
+    });
 }
 
 type Effects = (

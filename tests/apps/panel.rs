@@ -1,24 +1,20 @@
-//! Settings of the examples: fields from text and by steps, `--set`, and the rows of the panel. Nothing is rendered.
+//! Settings of the examples: fields from text and by steps, and `--set`. Nothing is rendered.
 
 use std::collections::BTreeSet;
 
 use bevy::{
-    diagnostic::DiagnosticsStore,
     pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel},
     prelude::*,
     reflect::{ReflectRef, TypeRegistry},
 };
 use bevy_lean_deferred::{
-    effects::auto_exposure::{
-        LeanAutoExposureAdvanced, LuminanceTrim, Metering, MeteringPattern, ReductionPath,
-    },
+    effects::auto_exposure::{LeanAutoExposureAdvanced, LuminanceTrim, Metering, MeteringPattern},
     prelude::*,
 };
 use kit::example::{
     fields,
     panel::{self, PanelCamera},
     set,
-    text_panel::TextPanel,
 };
 
 /// A camera without settings, and a panel of three components.
@@ -205,96 +201,4 @@ fn steps_around_each_enum() {
     step_around(LeanSubsurfaceScattering::default(), &registry);
     step_around(LeanAutoExposure::default(), &registry);
     step_around(ScreenSpaceAmbientOcclusion::default(), &registry);
-}
-
-fn stepped<T: Reflect>(mut field: T, forward: bool) -> T {
-    fields::step(&mut field, forward, &TypeRegistry::new());
-    field
-}
-
-#[test]
-fn bounds_of_steps() {
-    for (number, less, more) in [(1.0_f32, 0.8, 1.25), (0.0, -0.1, 0.1), (-1.0, -1.25, -0.8)] {
-        assert_eq!(stepped(number, false), less, "{number}");
-        assert_eq!(stepped(number, true), more, "{number}");
-    }
-    // Small numbers become 0.
-    assert_eq!(stepped(0.01_f32, false), 0.0);
-    assert_eq!(stepped(-0.01_f32, true), 0.0);
-
-    for (count, less, more) in [
-        (6_u32, 3, 12),
-        (1, 0, 2),
-        (0, 0, 1),
-        (u32::MAX, u32::MAX / 2, u32::MAX),
-    ] {
-        assert_eq!(stepped(count, false), less, "{count}");
-        assert_eq!(stepped(count, true), more, "{count}");
-    }
-
-    assert!(stepped(false, true) && !stepped(true, true));
-    assert_eq!(stepped(1.0_f32..=2.0, true), 1.0..=2.0);
-
-    // A handle has no first value: its variant is skipped.
-    let spot = MeteringPattern::Spot { radius: 0.1 };
-    assert_eq!(stepped(MeteringPattern::Average, false), spot);
-    assert_eq!(stepped(spot, true), MeteringPattern::Average);
-}
-
-fn text(world: &mut World) -> String {
-    panel::write_text(world);
-    let mut texts = world.query::<&Text>();
-    texts.single(world).expect("there is one text").0.clone()
-}
-
-#[test]
-fn rows_of_the_panel() {
-    let (mut app, camera) = app();
-    app.init_resource::<DiagnosticsStore>();
-    let world = app.world_mut();
-    world.spawn((TextPanel, Text::default()));
-    let mut occlusion = LeanScreenSpaceAmbientOcclusion {
-        quality: LeanQuality::Low,
-        ..default()
-    };
-    let mut camera_mut = world.entity_mut(camera);
-    camera_mut.insert((occlusion, LeanAutoExposure::default()));
-
-    // The first title, off and on.
-    panel::change(world, true);
-    let off = world.get::<LeanScreenSpaceAmbientOcclusion>(camera);
-    assert_eq!(off, None);
-    assert!(text(world).contains("[occlusion: off]"), "{}", text(world));
-    panel::change(world, true);
-    let on = world.get::<LeanScreenSpaceAmbientOcclusion>(camera);
-    assert_eq!(on, Some(&occlusion));
-
-    panel::choose_row(world, true);
-    panel::change(world, true);
-    panel::change_all(world, "quality", false);
-    occlusion.radius *= 1.25;
-    occlusion.quality = LeanQuality::Ultra;
-    let changed = world.get::<LeanScreenSpaceAmbientOcclusion>(camera);
-    assert_eq!(changed, Some(&occlusion));
-    for line in ["[radius: 0.625]", "quality: ultra", "Bevy's occlusion: off"] {
-        assert!(text(world).contains(line), "{line}\n{}", text(world));
-    }
-
-    // Up past the first title and past the last section, which has no rows: the last row of the exposure.
-    for _ in 0..3 {
-        panel::choose_row(world, false);
-    }
-    let chosen = "[advanced.reduction: auto]";
-    assert!(text(world).contains(chosen), "{}", text(world));
-    panel::change(world, true);
-    let exposure = world.get::<LeanAutoExposure>(camera);
-    let reduction = exposure.map(|exposure| exposure.advanced.reduction);
-    assert_eq!(reduction, Some(ReductionPath::Subgroup));
-
-    panel::choose_row(world, true);
-    panel::choose_row(world, true);
-    panel::choose_section(world, false);
-    panel::change(world, true);
-    let inserted = world.get::<ScreenSpaceAmbientOcclusion>(camera);
-    assert_eq!(inserted, Some(&ScreenSpaceAmbientOcclusion::default()));
 }

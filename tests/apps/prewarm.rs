@@ -13,11 +13,10 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    LeanDeferredPlugins, LeanPrewarm, PrewarmFeatures, PrewarmProgress, gbuffer::ForwardReason,
+    LeanPrewarm, PrewarmFeatures, PrewarmProgress, gbuffer::ForwardReason,
     lighting::CompiledLighting, prelude::*,
 };
 use kit::{
-    device::render_plugin_within,
     gpu,
     headless::{Headless, small_shadow_maps},
     lean::{active_lean_views, compile_lighting, is_lit_by_general},
@@ -60,6 +59,46 @@ fn hidden_spot_light(s: &mut SceneBuilder) -> Entity {
     };
     let place = Transform::from_xyz(-2.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y);
     s.spawn((light, place, Visibility::Hidden))
+}
+
+/// A camera that is prewarmed for a level, in which some things are hidden.
+struct Level {
+    headless: Headless,
+    camera: Entity,
+    lamp: Entity,
+    emissive: Entity,
+    coated: Entity,
+}
+
+impl Level {
+    fn new(synchronous: bool, features: Vec<PrewarmFeatures>) -> Self {
+        let mut headless = app(synchronous);
+        let mut s = SceneBuilder {
+            headless: &mut headless,
+        };
+        s.solids();
+        s.sun(true);
+        let lamp = hidden_spot_light(&mut s);
+        let emissive = hidden_ball(&mut s, -1.0, |material| {
+            material.emissive = LinearRgba::rgb(0.1, 0.6, 0.3);
+        });
+        let coated = hidden_ball(&mut s, 1.0, |material| material.clearcoat = 1.0);
+        let camera = s.default_camera((
+            LeanDeferred::default(),
+            LeanForwardMeshes::default(),
+            LeanPrewarm {
+                features,
+                ..default()
+            },
+        ));
+        Self {
+            headless,
+            camera,
+            lamp,
+            emissive,
+            coated,
+        }
+    }
 }
 
 /// Number of this crate's pipelines that were requested so far.
@@ -130,22 +169,13 @@ fn show_hidden(headless: &mut Headless, camera: Entity, name: &str, entity: Enti
 #[test]
 fn a_few_pipelines_per_frame_when_synchronous() {
     in_own_process(|| {
-        let mut headless = app(true);
-        let mut s = SceneBuilder {
-            headless: &mut headless,
-        };
-        s.solids();
-        s.sun(true);
-        let lamp = hidden_spot_light(&mut s);
-        let emissive = hidden_ball(&mut s, -1.0, |material| {
-            material.emissive = LinearRgba::rgb(0.1, 0.6, 0.3);
-        });
-        let coated = hidden_ball(&mut s, 1.0, |material| material.clearcoat = 1.0);
-        let camera = s.default_camera((
-            LeanDeferred::default(),
-            LeanForwardMeshes::default(),
-            LeanPrewarm::default(),
-        ));
+        let Level {
+            mut headless,
+            camera,
+            lamp,
+            emissive,
+            coated,
+        } = Level::new(true, Vec::new());
         let per_frame = finish(&mut headless, camera);
         let most = per_frame.iter().max();
         assert!(most <= Some(&PER_FRAME), "{per_frame:?}");
@@ -175,24 +205,13 @@ fn a_few_pipelines_per_frame_when_synchronous() {
 #[test]
 fn features_that_were_named_compile_nothing() {
     in_own_process(|| {
-        let mut headless = app(false);
-        let mut s = SceneBuilder {
-            headless: &mut headless,
-        };
-        s.solids();
-        s.sun(true);
-        let lamp = hidden_spot_light(&mut s);
-        let emissive = hidden_ball(&mut s, 0.0, |material| {
-            material.emissive = LinearRgba::rgb(0.1, 0.6, 0.3);
-        });
-        let camera = s.default_camera((
-            LeanDeferred::default(),
-            LeanForwardMeshes::default(),
-            LeanPrewarm {
-                features: vec![PrewarmFeatures::FOG],
-                ..default()
-            },
-        ));
+        let Level {
+            mut headless,
+            camera,
+            lamp,
+            emissive,
+            ..
+        } = Level::new(false, vec![PrewarmFeatures::FOG]);
         finish(&mut headless, camera);
         headless.frame();
         show_hidden(&mut headless, camera, "spot light", lamp);
@@ -270,6 +289,42 @@ fn it_may_be_inserted_again() {
     });
 }
 
+/// A camera that is prewarmed again is not lit by pipelines of its former level, unless they fit.
+#[test]
+fn former_levels_light_nothing() {
+    in_own_process(|| {
+        let Level {
+            mut headless,
+            camera,
+            lamp,
+            ..
+        } = Level::new(false, Vec::new());
+        finish(&mut headless, camera);
+        // It has no shadow map, so only pipelines of the level light it without being made for it.
+        let light = |headless: &mut Headless| {
+            let before = requested(headless);
+            let lamp = headless.world().spawn((
+                SpotLight::default(),
+                Transform::from_xyz(-2.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
+            ));
+            let lamp = lamp.id();
+            headless.frames(FRAMES_AFTER);
+            headless.world().despawn(lamp);
+            headless.frames(FRAMES_AFTER);
+            requested(headless) - before
+        };
+        headless.frames(FRAMES_AFTER);
+        assert_eq!(light(&mut headless), 0);
+
+        headless.world().despawn(lamp);
+        let mut again = headless.world().entity_mut(camera);
+        again.insert(LeanPrewarm::default());
+        finish(&mut headless, camera);
+        headless.frames(FRAMES_AFTER);
+        assert!(light(&mut headless) > 0);
+    });
+}
+
 /// Messages about prewarms that compile nothing.
 fn refusals() -> Vec<String> {
     log_watch::messages_with("LeanPrewarm")
@@ -313,12 +368,7 @@ fn on_devices_without_support_it_is_done_at_once() {
             max_storage_textures_per_shader_stage: 3,
             ..gpu::limits()
         };
-        let mut app = App::new();
-        app.add_plugins((
-            Headless::default_plugins().set(render_plugin_within(limits)),
-            LeanDeferredPlugins,
-        ));
-        let mut headless = Headless::from_app(SIZE, app, |_| {});
+        let mut headless = Headless::within(limits, SIZE, |_| {});
         let target = headless.render_target();
         let camera = (headless.world()).spawn((
             Camera3d::default(),

@@ -160,17 +160,11 @@ fn a_few_features_come_and_go() {
 fn features_come_and_go_without_a_forward_frame() {
     in_own_process(|| {
         let mut walk = begin(false);
-        hold_back(&mut walk, Event::all(), check_lean);
+        hold_back(&mut walk, Event::all(), |walk, event, frame| {
+            check_lean(walk, event, frame);
+            check_waiting(walk, event, frame);
+        });
         log_watch::assert_validation_layer_silent();
-    });
-}
-
-#[test]
-#[ignore = "nightly: all features"]
-fn other_meshes_stay_in_the_gbuffer() {
-    in_own_process(|| {
-        let mut walk = begin(false);
-        hold_back(&mut walk, Event::all(), check_waiting);
     });
 }
 

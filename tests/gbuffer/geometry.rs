@@ -18,6 +18,7 @@ use bevy_lean_deferred::{
     view::{ActiveLeanView, LeanViewSystems},
 };
 use kit::{
+    gpu::compute_pipeline,
     headless::{Headless, target_image},
     lean::{active_lean_views, build},
     log_watch,
@@ -50,18 +51,7 @@ struct NormalProbe {
 fn install_probe(headless: &mut Headless) {
     let render_app = headless.app.sub_app_mut(RenderApp);
     let device = render_app.world().resource::<RenderDevice>().wgpu_device();
-    let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &shader,
-        entry_point: None,
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
+    let pipeline = compute_pipeline(device, SHADER, None);
     use wgpu::BufferUsages as Usage;
     let usages = [
         Usage::STORAGE | Usage::COPY_SRC,

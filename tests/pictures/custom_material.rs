@@ -170,18 +170,6 @@ fn is_in_gbuffer(headless: &mut Headless, camera: Entity) -> bool {
 }
 
 #[test]
-#[ignore = "nightly: as the documented material"]
-fn registered_material_goes_through_the_gbuffer() {
-    in_own_process(|| {
-        let (mut headless, camera) = ball(true, &gbuffer_main(CHANGE));
-        let psnr = psnr(&mut headless, camera);
-        assert!(psnr >= 45.0, "{psnr} dB");
-        assert!(is_in_gbuffer(&mut headless, camera));
-        log_watch::assert_validation_layer_silent();
-    });
-}
-
-#[test]
 fn documented_material_goes_through_the_gbuffer() {
     in_own_process(|| {
         let mut headless = Headless::with(UVec2::new(160, 120), |app| {
@@ -321,31 +309,6 @@ fn reports() -> Vec<String> {
 fn a_shader_with_an_error_of_grammar() {
     in_own_process(|| {
         assert_forward_draws(|main| main.replace("return", "retrun"), "pack_pbr_input")
-    });
-}
-
-#[test]
-#[ignore = "nightly: a further error in a shader"]
-fn a_shader_that_knows_no_such_name() {
-    in_own_process(|| {
-        assert_forward_draws(
-            |main| main.replace("pack_pbr_input(pbr", "pack_pbr_input(qbr"),
-            "qbr",
-        )
-    });
-}
-
-#[test]
-#[ignore = "nightly: a further error in a shader"]
-fn a_shader_that_imports_what_is_not_there() {
-    in_own_process(|| {
-        assert_forward_draws(
-            |main| {
-                let main = main.replace("apply_discards(", "spots(&pbr); apply_discards(");
-                format!("#import nobody::provides::spots\n{main}")
-            },
-            "nothing provides the shader nobody::provides",
-        )
     });
 }
 

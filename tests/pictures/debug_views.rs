@@ -132,6 +132,52 @@ fn views_cover_their_part_of_the_picture() {
     });
 }
 
+/// While a view is resized, textures of effects are larger than it is. Debug views show the part of the view alone.
+#[test]
+fn views_of_resized_cameras_are_not_scaled() {
+    in_own_process(|| {
+        let mut headless = build(SIZE, |s| {
+            s.solids();
+            s.sun(false);
+            s.default_camera(ambient());
+        });
+        let shown = [
+            DebugView::GiLight,
+            DebugView::ReflectionLight,
+            DebugView::ReflectionHit,
+        ];
+        report(shown.map(|shows| {
+            let shown = LeanDebugView { shows, split: 1.0 };
+            change_cameras(&mut headless, |camera| {
+                put_effect(camera, shows);
+                camera.insert(shown);
+            });
+            for columns in [3, 4, 5] {
+                change_cameras(&mut headless, |camera| {
+                    let mut camera = camera.get_mut::<Camera>().expect("it is one");
+                    camera.viewport = Some(Viewport {
+                        physical_size: SIZE * UVec2::new(columns, 8) / 8,
+                        ..default()
+                    });
+                });
+                headless.settle();
+                headless.frames(if columns == 3 { 70 } else { 2 });
+            }
+            headless.frames(20);
+            let resized = settled(&mut headless);
+            headless.frames(70);
+            let at_rest = settled(&mut headless);
+            let difference = pixel_difference(&resized, &at_rest);
+            println!("{shows:?}: {difference}");
+            if difference.psnr > 40.0 {
+                Ok(())
+            } else {
+                Err(format!("{shows:?}: {difference}"))
+            }
+        }));
+    });
+}
+
 /// Meshes that forward draws have their colour, with and without a prepass that draws their depth before lighting; all others are
 /// magenta.
 #[test]

@@ -92,6 +92,19 @@ fn drawn_by_own_pipelines(headless: &Headless) -> (usize, usize) {
     (blended, pipelines.filter(|id| is_own(*id)).count())
 }
 
+/// True if the light functions are defined in pipelines with this fragment shader.
+fn is_lit_by_functions(headless: &Headless, shader: &Handle<Shader>) -> bool {
+    let world = headless.app.sub_app(RenderApp).world();
+    let mut pipelines = world.resource::<PipelineCache>().pipelines();
+    pipelines.any(|pipeline| match &pipeline.descriptor {
+        PipelineDescriptor::RenderPipelineDescriptor(descriptor) => (descriptor.fragment.as_ref())
+            .is_some_and(|fragment| {
+                fragment.shader == *shader && fragment.shader_defs.contains(&"FORWARD_MESH".into())
+            }),
+        PipelineDescriptor::ComputePipelineDescriptor(_) => false,
+    })
+}
+
 /// The keys of all meshes in binned phases.
 fn keys<P: BinnedPhaseItem>(
     phases: &ViewBinnedRenderPhases<P>,
@@ -322,6 +335,9 @@ fn custom_fragment_shaders_may_call_the_light_functions() {
             scenes::lamplit(s, MeshMaterial3d(material));
         });
         let forward = settled(&mut headless);
+        // Without the definitions, the function is Bevy's.
+        assert!(is_lit_by_functions(&headless, &LIT_BY_FUNCTIONS));
+        assert!(!is_lit_by_functions(&headless, &TINTED));
         let (own, lit) = lean(&mut headless, true);
         // Its own shader stays.
         assert_eq!(lit, 0);

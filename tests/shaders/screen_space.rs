@@ -156,5 +156,5 @@ fn history_and_debug_views_compose() {
         "SHOWS_ONE_MINUS_ALPHA",
         "SHOWS_HIT",
     ];
-    check!("debug_view/debug_view.wgsl", &[], &[shown]);
+    check!("debug_view/debug_view.wgsl", &["DIVISOR=2"], &[shown]);
 }

@@ -12,6 +12,7 @@ use std::{
 };
 
 use crate::{
+    arguments::arguments,
     benches::{Isa, isa::Shader},
     json::{read_json, read_text, write_json},
     report::{Programs, root},
@@ -84,7 +85,7 @@ impl Recording {
             .arg("--out")
             .arg(&folder);
         if let Some(program) = program {
-            isa.arg("--").arg(program).args(case.args);
+            isa.arg("--").arg(program).args(arguments(case.args));
         }
         let status = isa
             .env("PARITY_SCENE", case.parity_scene)

@@ -12,7 +12,7 @@ pub struct Case {
     pub name: &'static str,
     /// Name of a bench, example or test binary.
     pub program: &'static str,
-    pub args: &'static [&'static str],
+    pub args: &'static str,
     /// The scene of a parity test; empty for other programs.
     pub parity_scene: &'static str,
     pub shaders: &'static [Wanted],
@@ -149,11 +149,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "lights",
         program: "pictures",
-        args: &[
-            "parity::lights_match_forward",
-            "--exact",
-            "--test-threads=1",
-        ],
+        args: "parity::lights_match_forward --exact --test-threads=1",
         // In their order in `kit/src/scenes/lights.rs`.
         parity_scene: "directional_shadow_cascades,point_shadow,many_lights_of_all_kinds",
         shaders: &[
@@ -169,19 +165,8 @@ pub const CASES: &[Case] = &[
     Case {
         name: "boxes",
         program: "frame_times",
-        args: &[
-            "--scene",
-            "small_boxes_32",
-            "--size",
-            "64x36",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "--no-flip",
-            "--contender",
-            "Bevy forward,Bevy deferred,lean",
-        ],
+        args: "--scene small_boxes_32 --size 64x36 --frames 1 --warm-up 1 --no-flip \
+               --contender Bevy forward,Bevy deferred,lean",
         parity_scene: "",
         shaders: &[
             compute("lighting: a sun with shadows, points", LIGHTING).beside(DEFERRED_BOXES),
@@ -194,19 +179,8 @@ pub const CASES: &[Case] = &[
     Case {
         name: "special",
         program: "frame_times",
-        args: &[
-            "--scene",
-            "small_targets_all",
-            "--size",
-            "64x36",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "--no-flip",
-            "--contender",
-            "Bevy forward,Bevy deferred,lean",
-        ],
+        args: "--scene small_targets_all --size 64x36 --frames 1 --warm-up 1 --no-flip \
+               --contender Bevy forward,Bevy deferred,lean",
         parity_scene: "",
         shaders: &[
             compute("lighting: special surfaces, all kinds", LIGHTING)
@@ -221,14 +195,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "street",
         program: "showcase",
-        args: &[
-            "--headless",
-            "showcase.png",
-            "--size",
-            "160x90",
-            "--frames",
-            "1",
-        ],
+        args: "--headless showcase.png --size 160x90 --frames 1",
         parity_scene: "",
         shaders: &[
             compute("lighting: the street", LIGHTING).beside(DEFERRED_STREET),
@@ -242,18 +209,9 @@ pub const CASES: &[Case] = &[
     Case {
         name: "occlusion",
         program: "ambient_occlusion",
-        args: &[
-            "--small",
-            "--size",
-            "64x36",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "--contender",
-            // They are measured in this order.
-            "=Medium, indirect;=High, indirect;=Ultra, indirect;=Bevy High;=Bevy Ultra",
-        ],
+        // They are measured in this order.
+        args: "--small --size 64x36 --frames 1 --warm-up 1 \
+               --contender =Medium, indirect;=High, indirect;=Ultra, indirect;=Bevy High;=Bevy Ultra",
         parity_scene: "",
         shaders: &[
             // Each has another pipeline for scenes whose occlusion is known.
@@ -280,18 +238,8 @@ pub const CASES: &[Case] = &[
     Case {
         name: "screen_space",
         program: "screen_space",
-        args: &[
-            "--small",
-            "--no-errors",
-            "--size",
-            "64x36",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "--contender",
-            "GI, Medium, Half;reflections, Medium, Half;Bevy;scattering, High, All",
-        ],
+        args: "--small --no-errors --size 64x36 --frames 1 --warm-up 1 \
+               --contender GI, Medium, Half;reflections, Medium, Half;Bevy;scattering, High, All",
         parity_scene: "",
         shaders: &[
             compute("GI, levels", "lean_deferred/effects/diffuse_gi/levels"),
@@ -331,18 +279,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "exposure",
         program: "auto_exposure",
-        args: &[
-            "--size",
-            "64x36",
-            "--frames",
-            "1",
-            "--warm-up",
-            "1",
-            "--ring-mb",
-            "1",
-            "--contender",
-            "in an app",
-        ],
+        args: "--size 64x36 --frames 1 --warm-up 1 --ring-mb 1 --contender in an app",
         parity_scene: "",
         shaders: &[
             compute(

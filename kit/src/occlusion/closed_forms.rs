@@ -53,36 +53,6 @@ pub fn wall_sector(distance: f64, height: f64, radius: f64, azimuth: f64) -> f64
     (below_top + within_radius) / TAU
 }
 
-/// As [`wall`] for infinite `radius`, but the wall starts opposite the point and is `width` wide.
-pub fn rectangular_wall(distance: f64, height: f64, width: f64) -> f64 {
-    let slant = distance.hypot(height);
-    ((width / distance).atan() - distance / slant * (width / slant).atan()) / TAU
-}
-
-/// As [`wall`] for infinite `radius`, but weighted uniformly in solid angle, as horizon-based ambient occlusion does (Bavoil, Sainz and
-/// Dimitrov 2008, "Image-Space Horizon-Based Ambient Occlusion").
-pub fn wall_by_solid_angle(distance: f64, height: f64) -> f64 {
-    height.atan2(distance) / PI
-}
-
-/// As [`wall`] for infinite `height`, but weighted uniformly in solid angle.
-pub fn tall_wall_by_solid_angle(distance: f64, radius: f64) -> f64 {
-    0.5 * (1.0 - (distance / radius).min(1.0))
-}
-
-/// As [`wall`], but weighted uniformly in the angle within each slice through the normal, as a visibility bitmask with
-/// equal sectors and a view along the normal does (Therrien, Levesque and Gilet 2023, "Screen Space Indirect Lighting
-/// with Visibility Bitmask"). By the midpoint rule.
-pub fn wall_by_slice_angle(distance: f64, height: f64, radius: f64) -> f64 {
-    over_azimuth(|azimuth| {
-        let away = distance / azimuth.cos();
-        if away <= 0.0 || away >= radius {
-            return 0.0;
-        }
-        (height / away).atan().min((away / radius).acos()) / FRAC_PI_2
-    })
-}
-
 /// A point near a plane: the part of a spherical cap above the horizon. `angle`, 0 to π, is between the normal and the direction to the
 /// plane's nearest point, `distance` away.
 pub fn tilted_plane(angle: f64, distance: f64, radius: f64) -> f64 {
@@ -103,20 +73,7 @@ pub fn tilted_plane(angle: f64, distance: f64, radius: f64) -> f64 {
     (sin_half * sin_half * cos * (PI - rim) - cos_half * sin_half * sin * rim.sin() + horizon) / PI
 }
 
-/// Anywhere in a groove of infinite faces at `interior_angle`.
-pub fn v_groove(interior_angle: f64) -> f64 {
-    0.5 * (1.0 + interior_angle.cos())
-}
-
-/// As [`v_groove`] `from_edge` away from the edge, if the other face is `length` long.
-pub fn v_groove_of_length(interior_angle: f64, from_edge: f64, length: f64) -> f64 {
-    let cos = interior_angle.cos();
-    let end = (from_edge - length * cos)
-        / (from_edge * from_edge + length * length - 2.0 * from_edge * length * cos).sqrt();
-    0.5 * (1.0 - end)
-}
-
-/// As [`v_groove`] `from_edge` away from the edge, within `radius`.
+/// A groove of infinite faces at `interior_angle`, `from_edge` away from the edge.
 pub fn v_groove_within(interior_angle: f64, from_edge: f64, radius: f64) -> f64 {
     tilted_plane(interior_angle, from_edge * interior_angle.sin(), radius)
 }
@@ -138,13 +95,6 @@ pub fn floor_under_sphere(sphere_radius: f64, height: f64, offset: f64, radius: 
 }
 
 /// A floor at distances `a` and `b` from two walls of `height` that meet at a right angle.
-pub fn box_corner(a: f64, b: f64, height: f64) -> f64 {
-    let (cos_a, cos_b) = (cosine_of_top(a, height), cosine_of_top(b, height));
-    let open = 0.25 * (1.0 + cos_a + cos_b);
-    1.0 - open - (cos_a * (cos_a * b / a).atan() + cos_b * (cos_b * a / b).atan()) / TAU
-}
-
-/// As [`box_corner`], within `radius`.
 pub fn box_corner_within(a: f64, b: f64, height: f64, radius: f64) -> f64 {
     [(a, b), (b, a)]
         .into_iter()
@@ -173,12 +123,6 @@ pub fn pit_within(pit_radius: f64, depth: f64, offset: f64, radius: f64) -> f64 
 }
 
 /// The floor of an endless trench of `width` and `depth`, `from_side` away from one of its sides.
-pub fn trench(width: f64, depth: f64, from_side: f64) -> f64 {
-    let other = width - from_side;
-    1.0 - 0.5 * (cosine_of_top(from_side, depth) + cosine_of_top(other, depth))
-}
-
-/// As [`trench`], within `radius`.
 pub fn trench_within(width: f64, depth: f64, from_side: f64, radius: f64) -> f64 {
     wall(from_side, depth, radius) + wall(width - from_side, depth, radius)
 }

@@ -1,6 +1,6 @@
 //! Depth buffers of a scene, and the ground truth per pixel.
 
-use bevy::math::{DVec2, DVec3, UVec2, Vec3};
+use bevy::math::{DVec2, UVec2, Vec3};
 
 use super::{camera::Camera, geometry::Scene, solids::Hit};
 
@@ -46,19 +46,10 @@ impl DepthBuffer {
 
     /// View-space normals.
     pub fn normals(&self) -> Vec<Option<Vec3>> {
-        self.view_directions(|hit| hit.normal)
-    }
-
-    /// View-space normals that a smoothly shaded mesh would have.
-    pub fn smooth_normals(&self, scene: &Scene) -> Vec<Option<Vec3>> {
-        self.view_directions(|hit| scene.smooth_normal(hit))
-    }
-
-    fn view_directions(&self, world: impl Fn(&Hit) -> DVec3) -> Vec<Option<Vec3>> {
         let view_from_world = self.camera.world_from_view.inverse();
         let to_view = |hit: &Hit| {
             view_from_world
-                .transform_vector3(world(hit))
+                .transform_vector3(hit.normal)
                 .normalize()
                 .as_vec3()
         };

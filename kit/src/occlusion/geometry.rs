@@ -158,15 +158,6 @@ impl Scene {
         hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// The normal that a smoothly shaded mesh would have at a hit: that of the cylinder on a [faceted
-    /// one](Geometry::FacetedCylinder), else the surface's own.
-    pub fn smooth_normal(&self, hit: &Hit) -> DVec3 {
-        match self.geometry {
-            Geometry::FacetedCylinder { .. } => hit.point.with_y(0.0).normalize(),
-            _ => hit.normal,
-        }
-    }
-
     /// Occlusion within `radius` at a hit, if it is known in closed form. `radius` may be infinite.
     pub fn occlusion(&self, hit: &Hit, radius: f64) -> Option<f64> {
         let (point, normal) = (hit.point, hit.normal);

@@ -12,8 +12,7 @@ use bevy::math::{DVec2, DVec3, UVec2, Vec3};
 
 use super::{
     camera::{Camera, Projection},
-    depth_buffer::{DepthBuffer, pixels},
-    solids::Hit,
+    depth_buffer::pixels,
 };
 
 #[derive(Clone, Copy, Debug)]
@@ -47,20 +46,6 @@ impl Integrator {
         Self {
             camera,
             positions,
-            sampling,
-        }
-    }
-
-    /// Integrates a depth buffer before its depths were rounded.
-    pub fn unrounded(buffer: &DepthBuffer, sampling: Sampling) -> Self {
-        let view_from_world = buffer.camera.world_from_view.inverse();
-        let to_view = |hit: &Option<Hit>| {
-            let hit = hit.as_ref()?;
-            Some(view_from_world.transform_point3(hit.point))
-        };
-        Self {
-            camera: buffer.camera,
-            positions: buffer.hits.iter().map(to_view).collect(),
             sampling,
         }
     }

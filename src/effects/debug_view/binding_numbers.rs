@@ -4,4 +4,5 @@ use crate::gpu::bindings::binding_numbers;
 
 binding_numbers! {
     SOURCE_TEXTURE = 0,
+    VIEW = 1,
 }

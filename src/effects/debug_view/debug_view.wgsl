@@ -1,16 +1,21 @@
-// Shows a texture that covers the viewport in place of the picture.
+// Shows a texture, in whose corner the viewport begins, in place of the picture.
 #import bevy_core_pipeline::fullscreen_vertex_shader::FullscreenVertexOutput
+#import bevy_render::view::View
+
+/// Pixels per side of a texel.
+const DIVISOR: u32 = #{DIVISOR}u;
 
 #ifdef SHOWS_HIT
 @group(0) @binding(0) var source_texture: texture_2d<u32>;
 #else
 @group(0) @binding(0) var source_texture: texture_2d<f32>;
 #endif
+@group(0) @binding(1) var<uniform> view: View;
 
 @fragment
 fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
-    let size = vec2<f32>(textureDimensions(source_texture));
-    let texel = textureLoad(source_texture, vec2<i32>(min(in.uv * size, size - 1.0)), 0);
+    let pixel = vec2<u32>(in.uv * view.main_pass_viewport.zw);
+    let texel = textureLoad(source_texture, pixel / DIVISOR, 0);
 #ifdef SHOWS_LIGHT
     let color = texel.rgb * texel.a;
 #else ifdef SHOWS_BARE_LIGHT

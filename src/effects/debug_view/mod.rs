@@ -15,15 +15,16 @@ use bevy::{
         Render, RenderApp, RenderStartup, RenderSystems,
         render_resource::{
             BindGroupLayoutDescriptor, IntoBinding, PipelineCache, ShaderStages, TextureSampleType,
-            TextureView, binding_types::texture_2d,
+            TextureView,
+            binding_types::{texture_2d, uniform_buffer},
         },
         renderer::RenderDevice,
-        view::ExtractedView,
+        view::{ExtractedView, ViewUniform, ViewUniformOffset, ViewUniforms},
     },
     shader::ShaderDefVal,
 };
 
-use binding_numbers::SOURCE_TEXTURE;
+use binding_numbers::{SOURCE_TEXTURE, VIEW};
 
 use crate::{
     gpu::bindings::layout,
@@ -35,13 +36,18 @@ use crate::{
     },
 };
 
-/// On a view with reflections, while their hits are shown: the texture of hit words, one per ray.
+/// On a view with reflections, while their hits are shown.
 #[derive(Component)]
-pub(super) struct RayHits(pub(super) TextureView);
+pub(super) struct RayHits {
+    /// Hit words, one per ray.
+    pub(super) texture: TextureView,
+    /// Pixels per side of a texel.
+    pub(super) divisor: u32,
+}
 
 /// Channels of a texture to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Shows {
+enum Channels {
     /// RGB times alpha.
     Light,
     /// RGB alone.
@@ -54,47 +60,67 @@ enum Shows {
     Hit,
 }
 
-impl DebugDraw for Shows {
+/// The texture to show: its channels, and the pixels per side of a texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Shown {
+    channels: Channels,
+    divisor: u32,
+}
+
+impl DebugDraw for Shown {
     const LABEL: &'static str = "lean_deferred/effects/debug_view";
 
     fn layout(self) -> BindGroupLayoutDescriptor {
-        let sample_type = match self {
-            Self::Hit => TextureSampleType::Uint,
+        let sample_type = match self.channels {
+            Channels::Hit => TextureSampleType::Uint,
             _ => TextureSampleType::Float { filterable: false },
         };
-        let source = [(SOURCE_TEXTURE, texture_2d(sample_type))];
-        layout(Self::LABEL, ShaderStages::FRAGMENT, source)
+        let entries = [
+            (SOURCE_TEXTURE, texture_2d(sample_type)),
+            (VIEW, uniform_buffer::<ViewUniform>(true)),
+        ];
+        layout(Self::LABEL, ShaderStages::FRAGMENT, entries)
     }
 
     fn shader_defs(self) -> Vec<ShaderDefVal> {
-        let name = match self {
-            Self::Light => "SHOWS_LIGHT",
-            Self::BareLight => "SHOWS_BARE_LIGHT",
-            Self::Alpha => "SHOWS_ALPHA",
-            Self::OneMinusAlpha => "SHOWS_ONE_MINUS_ALPHA",
-            Self::Hit => "SHOWS_HIT",
+        let name = match self.channels {
+            Channels::Light => "SHOWS_LIGHT",
+            Channels::BareLight => "SHOWS_BARE_LIGHT",
+            Channels::Alpha => "SHOWS_ALPHA",
+            Channels::OneMinusAlpha => "SHOWS_ONE_MINUS_ALPHA",
+            Channels::Hit => "SHOWS_HIT",
         };
-        vec![name.into()]
+        let divisor = ShaderDefVal::UInt("DIVISOR".into(), self.divisor);
+        vec![name.into(), divisor]
     }
 }
 
-/// The channels and the texture that `view` is of, if it is of one of these effects. The texture covers the viewport.
+/// The texture that `view` is of, if it is of one of these effects.
 fn source_of<'a>(
     view: DebugView,
     diffuse: Option<&'a IndirectDiffuse>,
     specular: Option<&'a IndirectSpecular>,
     hits: Option<&'a RayHits>,
-) -> Option<(Shows, &'a TextureView)> {
-    let diffuse = diffuse.and_then(|light| light.texture.as_ref());
-    let specular = specular.and_then(|light| light.0.as_ref());
-    Some(match view {
-        DebugView::GiLight => (Shows::BareLight, diffuse?),
-        DebugView::GiVisibility => (Shows::OneMinusAlpha, diffuse?),
-        DebugView::ReflectionLight => (Shows::Light, specular?),
-        DebugView::ReflectionConfidence => (Shows::Alpha, specular?),
-        DebugView::ReflectionHit => (Shows::Hit, &hits?.0),
+) -> Option<(Shown, &'a TextureView)> {
+    let (channels, divisor, texture) = match view {
+        DebugView::GiLight | DebugView::GiVisibility => {
+            let diffuse = diffuse?;
+            let channels = match view {
+                DebugView::GiLight => Channels::BareLight,
+                _ => Channels::OneMinusAlpha,
+            };
+            let divisor = if diffuse.is_half { 2 } else { 1 };
+            (channels, divisor, diffuse.texture.as_ref()?)
+        }
+        DebugView::ReflectionLight => (Channels::Light, 1, specular?.0.as_ref()?),
+        DebugView::ReflectionConfidence => (Channels::Alpha, 1, specular?.0.as_ref()?),
+        DebugView::ReflectionHit => {
+            let hits = hits?;
+            (Channels::Hit, hits.divisor, &hits.texture)
+        }
         _ => return None,
-    })
+    };
+    Some((Shown { channels, divisor }, texture))
 }
 
 /// Shows the debug views of diffuse GI and of reflections. Added by the first of the two.
@@ -114,11 +140,11 @@ impl Plugin for DebugViewPlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };
-        removal::remove_with::<LeanDebugView, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<LeanDebugView, DebugDrawn<Shown>>(render_app);
         // Bind groups of the draw keep these textures alive.
-        removal::remove_with::<IndirectDiffuse, DebugDrawn<Shows>>(render_app);
-        removal::remove_with::<IndirectSpecular, DebugDrawn<Shows>>(render_app);
-        removal::remove_with::<RayHits, DebugDrawn<Shows>>(render_app);
+        removal::remove_with::<IndirectDiffuse, DebugDrawn<Shown>>(render_app);
+        removal::remove_with::<IndirectSpecular, DebugDrawn<Shown>>(render_app);
+        removal::remove_with::<RayHits, DebugDrawn<Shown>>(render_app);
         render_app
             .add_systems(RenderStartup, init_pipelines)
             .add_systems(
@@ -129,7 +155,7 @@ impl Plugin for DebugViewPlugin {
             )
             .add_systems(
                 Core3d,
-                draw_debug_view::<Shows>
+                draw_debug_view::<Shown>
                     .in_set(EffectSystems::DebugViews)
                     .in_set(Core3dSystems::MainPass)
                     .in_set(DebugViewPasses)
@@ -144,29 +170,31 @@ fn init_pipelines(
     fullscreen: Res<FullscreenShader>,
 ) {
     let shader = load_embedded_asset!(asset_server.as_ref(), "debug_view.wgsl");
-    commands.insert_resource(DebugPipelines::<Shows>::new(shader, &fullscreen));
+    commands.insert_resource(DebugPipelines::<Shown>::new(shader, &fullscreen));
 }
 
 fn prepare_debug_views(
     mut commands: Commands,
     (device, cache): (Res<RenderDevice>, Res<PipelineCache>),
-    pipelines: Option<ResMut<DebugPipelines<Shows>>>,
+    pipelines: Option<ResMut<DebugPipelines<Shown>>>,
+    view_uniforms: Res<ViewUniforms>,
     mut views: Query<(
         Entity,
-        (&ExtractedView, &LeanDebugView),
+        (&ExtractedView, &ViewUniformOffset, &LeanDebugView),
         (Option<&IndirectDiffuse>, Option<&IndirectSpecular>),
         Option<&RayHits>,
-        Option<&mut DebugDrawn<Shows>>,
+        Option<&mut DebugDrawn<Shown>>,
     )>,
 ) {
-    let Some(mut pipelines) = pipelines else {
+    let (Some(mut pipelines), Some(uniforms)) = (pipelines, view_uniforms.uniforms.binding())
+    else {
         return;
     };
-    for (entity, (view, debug_view), (diffuse, specular), hits, drawn) in &mut views {
+    for (entity, (view, offset, debug_view), (diffuse, specular), hits, drawn) in &mut views {
         let source = source_of(debug_view.shows, diffuse, specular, hits);
-        let Some((shows, texture)) = source else {
+        let Some((shown, texture)) = source else {
             if drawn.is_some() {
-                commands.entity(entity).remove::<DebugDrawn<Shows>>();
+                commands.entity(entity).remove::<DebugDrawn<Shown>>();
             }
             continue;
         };
@@ -176,8 +204,11 @@ fn prepare_debug_views(
             &cache,
             (entity, view),
             drawn,
-            (shows, None),
-            |entries| entries.push(SOURCE_TEXTURE, texture.into_binding()),
+            (shown, Some(offset.offset)),
+            |entries| {
+                entries.push(SOURCE_TEXTURE, texture.into_binding())?;
+                entries.push(VIEW, uniforms.clone())
+            },
         );
     }
 }

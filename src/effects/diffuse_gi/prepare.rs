@@ -36,8 +36,8 @@ use crate::{
     gpu::bind_group_cache::CachedBindGroup,
     shader_library::distance_fog::FogUniform,
     view::{
-        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LeanDebugView,
-        LightingIo, OutOfMemory,
+        ActiveLeanView, CameraCuts, DiffuseLight, FrameAveraging, IndirectDiffuse, LightingIo,
+        OutOfMemory,
     },
 };
 
@@ -68,11 +68,7 @@ pub(super) fn prepare_gi(
         (&ExtractedCamera, &ExtractedView),
         (Option<&MainPassResolutionOverride>, Option<&DistanceFog>),
         Option<&CameraCuts>,
-        (
-            Option<&FrameAveraging>,
-            Has<MotionVectorPrepass>,
-            Option<&LeanDebugView>,
-        ),
+        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         (Option<&mut ViewGi>, &mut IndirectDiffuse),
     )>,
 ) {
@@ -82,7 +78,7 @@ pub(super) fn prepare_gi(
     let largest = device.limits().max_texture_dimension_2d;
     for (entity, (active, lean), (camera, view), shown, cuts, of_view, of_gi) in &mut views {
         let (resolution, fog) = shown;
-        let ((averaging, has_motion, debug_view), (gi, mut found)) = (of_view, of_gi);
+        let ((averaging, has_motion), (gi, mut found)) = (of_view, of_gi);
         if !lean.io.contains(LightingIo::INDIRECT_DIFFUSE) {
             continue;
         }
@@ -96,17 +92,16 @@ pub(super) fn prepare_gi(
         let mut growing = gi.as_ref().map(|gi| gi.growing).unwrap_or_default();
         let has_other_texels =
             (gi.as_ref()).is_some_and(|gi| gi.levels[gi.current].divisor != divisor);
-        // Debug views show whole textures.
-        let is_exact = debug_view.is_some() || has_other_texels;
-        let allocated = growing.fit(size, largest, is_exact);
+        let allocated = growing.fit(size, largest, has_other_texels);
         let held = match gi {
             Some(gi) => {
                 let gi = gi.into_inner();
                 gi.frames.advance(now, cuts, &number);
                 gi.current = 1 - gi.current;
-                let is_resized = gi.is_of(allocated)
-                    || (memory.fit(&device, entity, LABEL, || gi.resize(&device, allocated)))
-                        .is_some();
+                let is_of_size = gi.is_of(allocated);
+                let resize = |size| gi.resize(&device, size);
+                let is_resized = is_of_size
+                    || (memory.fit_growing(&device, entity, LABEL, &mut growing, resize)).is_some();
                 is_resized.then_some(gi)
             }
             None => {
@@ -116,7 +111,7 @@ pub(super) fn prepare_gi(
             }
         };
         let Some(gi) = held else {
-            found.texture = None;
+            *found = IndirectDiffuse::default();
             commands.entity(entity).remove::<ViewGi>();
             continue;
         };

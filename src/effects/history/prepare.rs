@@ -216,7 +216,7 @@ pub(in crate::effects) fn prepare_histories(
             .as_ref()
             .map(|held| held.growing)
             .unwrap_or_default();
-        let size = texture_size(growing.fit(needed, largest, false));
+        let mut size = texture_size(growing.fit(needed, largest, false));
         let mut made = None;
         let held = match history {
             Some(history) => {
@@ -226,8 +226,10 @@ pub(in crate::effects) fn prepare_histories(
                     history.kept = next;
                 }
                 if history.size() != size {
-                    let make = || StorageTexture::new(&device, LABEL, size, FORMAT);
-                    history.next = memory.fit(&device, entity, LABEL, make);
+                    let make =
+                        |size| StorageTexture::new(&device, LABEL, texture_size(size), FORMAT);
+                    history.next = memory.fit_growing(&device, entity, LABEL, &mut growing, make);
+                    size = texture_size(growing.allocated());
                 }
                 (size_of(history.output()) == size).then_some(history)
             }

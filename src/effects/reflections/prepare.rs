@@ -41,8 +41,7 @@ use crate::{
     },
     shader_library::{distance_fog::FogUniform, tiles},
     view::{
-        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LeanDebugView,
-        LightingIo, OutOfMemory,
+        ActiveLeanView, FrameAveraging, GBufferTargets, IndirectSpecular, LightingIo, OutOfMemory,
     },
 };
 
@@ -168,11 +167,7 @@ pub(super) fn prepare_reflections(
         (&ActiveReflections, &ActiveLeanView),
         (&ExtractedCamera, &ExtractedView),
         (Option<&MainPassResolutionOverride>, Option<&DistanceFog>),
-        (
-            Option<&FrameAveraging>,
-            Has<MotionVectorPrepass>,
-            Option<&LeanDebugView>,
-        ),
+        (Option<&FrameAveraging>, Has<MotionVectorPrepass>),
         Option<&ViewHistory>,
         (
             Option<&mut ViewReflections>,
@@ -187,8 +182,7 @@ pub(super) fn prepare_reflections(
     let largest = device.limits().max_texture_dimension_2d;
     for (entity, (active, lean), (camera, view), shown, of_view, history, held) in &mut views {
         let (resolution, fog) = shown;
-        let ((averaging, has_motion, debug_view), (reflections, mut found, has_hits)) =
-            (of_view, held);
+        let ((averaging, has_motion), (reflections, mut found, has_hits)) = (of_view, held);
         // The first frame has no history.
         let Some(history) = history else {
             found.0 = None;
@@ -211,15 +205,14 @@ pub(super) fn prepare_reflections(
             .as_ref()
             .map(|held| held.growing)
             .unwrap_or_default();
-        // Debug views show whole textures.
-        let allocated = growing.fit(size, largest, debug_view.is_some());
+        let allocated = growing.fit(size, largest, false);
         let fits = |held: &ViewReflections| (held.allocated, held.divisor) == (allocated, divisor);
         let reflections = match reflections {
             Some(held) if fits(&held) => held.into_inner(),
             _ => {
-                let make = || ViewReflections::new(&device, allocated, divisor);
-                let Some(new) =
-                    memory.fit(&device, entity, "lean_deferred/effects/reflections", make)
+                let label = "lean_deferred/effects/reflections";
+                let make = |size| ViewReflections::new(&device, size, divisor);
+                let Some(new) = memory.fit_growing(&device, entity, label, &mut growing, make)
                 else {
                     found.0 = None;
                     commands.entity(entity).remove::<ViewReflections>();
@@ -236,7 +229,8 @@ pub(super) fn prepare_reflections(
         reflections.offset = writer.write(&uniform);
         found.0 = Some(reflections.output.view.clone());
         if active.shows_hits {
-            let hits = RayHits(reflections.hits.view.clone());
+            let texture = reflections.hits.view.clone();
+            let hits = RayHits { texture, divisor };
             commands.entity(entity).insert(hits);
         } else if has_hits {
             commands.entity(entity).remove::<RayHits>();

@@ -24,7 +24,8 @@ use crate::view::support::SupportChecks;
 ///
 /// [`progress`](Self::progress) counts the pipelines for a progress bar, and tells when all are compiled. Where Bevy compiles within
 /// the frame (macOS, the web, apps without its feature `multi_threaded`), no more than two are compiled per frame, so that the
-/// loading screen keeps moving. Insert the component again for the next level. It may be removed at any time.
+/// loading screen keeps moving. Insert the component again for the next level, which ends the last one. It may be removed at any
+/// time.
 ///
 /// If the camera cannot be lean (no `LeanDeferred`, a device without support, a setting that [`LeanStatus`](crate::LeanStatus)
 /// names), or is not rendered for 120 frames, a warning says so, and the prewarm is done at once.

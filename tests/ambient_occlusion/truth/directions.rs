@@ -25,13 +25,3 @@ fn direction(azimuth: f64, z: f64) -> DVec3 {
 pub fn cosine_weighted(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
     jittered_points(seed, rows).map(|point| direction(point.x, (1.0 - point.y).sqrt()))
 }
-
-/// Directions about Z, uniform in solid angle.
-pub fn uniform(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
-    jittered_points(seed, rows).map(|point| direction(point.x, point.y))
-}
-
-/// Directions about Z, uniform in azimuth and in the angle from Z.
-pub fn uniform_in_angle(seed: u64, rows: u32) -> impl Iterator<Item = DVec3> {
-    jittered_points(seed, rows).map(|point| direction(point.x, (0.25 * TAU * point.y).cos()))
-}

@@ -126,19 +126,6 @@ fn planes_are_not_occluded() {
     for view in [tilted_plane(), grazed_plane()] {
         // In f32, the far plane limits the resolution of an orthographic depth buffer.
         for (projection, bound) in [(PERSPECTIVE, 1e-8), (ORTHOGRAPHIC, 1e-8), (far, 1e-5)] {
-            let buffer = view.depth_buffer(projection, SIZE);
-            let pixel = SIZE / 2;
-            let normal = view
-                .scene
-                .hit(view.eye, view.target - view.eye)
-                .unwrap()
-                .normal;
-            let view_from_world = buffer.camera.world_from_view.inverse();
-            let normal = view_from_world.transform_vector3(normal);
-            let exact = Integrator::unrounded(&buffer, Sampling::CONVERGED);
-            let exact = exact.occlusion(pixel, normal, RADIUS).unwrap();
-            assert!(exact.abs() < 1e-12, "{exact:e}");
-
             let errors = view.errors(projection, SIZE, STRIDE);
             println!(
                 "{projection:?}: mean {:.1e}, largest {:.1e}",
@@ -185,24 +172,6 @@ fn visible_occluders_are_found() {
     }
 }
 
-/// Hidden surfaces bias the integral. From straight above only the tops of the walls are visible, which are further away than parts of
-/// their sides. Of a sphere only half is visible, and the space behind its outline counts as filled.
-#[test]
-#[ignore = "nightly: tests the tests' reference"]
-fn depth_buffers_do_not_hold_everything() {
-    let errors = trench().errors(ORTHOGRAPHIC, SIZE, STRIDE);
-    println!("trench from straight above: {errors}");
-    assert!(errors.bias < -0.01);
-
-    let sphere = Geometry::Sphere {
-        sphere_radius: 0.3,
-        height: 0.3,
-    };
-    let errors = View::new(sphere, [0.0, 2.0, 2.0], [0.0; 3]).errors(PERSPECTIVE, SIZE, STRIDE);
-    println!("sphere: {errors}");
-    assert!((0.01..0.04).contains(&errors.rmse));
-}
-
 #[test]
 #[ignore = "nightly: tests the tests' reference"]
 fn nothing_far_or_convex_occludes() {
@@ -219,41 +188,6 @@ fn nothing_far_or_convex_occludes() {
             View::new(geometry, [0.0, 0.5, 2.0], [0.0; 3]).errors(PERSPECTIVE, SIZE, STRIDE);
         println!("{geometry:?}: {errors}");
         assert!(errors.largest < 1e-6, "{geometry:?}: {errors}");
-    }
-}
-
-#[test]
-#[ignore = "nightly: tests the tests' reference"]
-fn errors_fall_with_resolution() {
-    let rmse = [64, 128, 256].map(|width| {
-        // About as many pixels each.
-        let errors = corner().errors(PERSPECTIVE, UVec2::new(width, width * 3 / 4), width / 64);
-        println!("{width}: {errors}");
-        errors.rmse
-    });
-    assert!(
-        rmse[1] < 0.7 * rmse[0] && rmse[2] < 0.7 * rmse[1],
-        "{rmse:?}"
-    );
-}
-
-#[test]
-#[ignore = "nightly: tests the tests' reference"]
-fn more_samples_change_little() {
-    let twice = Sampling {
-        slices: 2 * Sampling::CONVERGED.slices,
-        steps: 2 * Sampling::CONVERGED.steps,
-    };
-    for view in [wall(INF), corner(), trench()] {
-        let buffer = view.depth_buffer(PERSPECTIVE, SIZE);
-        let [once, twice] = [Sampling::CONVERGED, twice].map(|sampling| {
-            let integrator = Integrator::new(buffer.camera, &buffer.depths, sampling);
-            integrator.occlusions(&buffer.normals(), RADIUS, 2 * STRIDE)
-        });
-        let mask = vec![true; once.len()];
-        let errors = Errors::measure_sparse(&once, &twice, &mask);
-        println!("{errors}");
-        assert!(errors.rmse < 2e-3, "{errors}");
     }
 }
 

@@ -163,29 +163,3 @@ fn scenes_have_the_occlusion_they_claim() {
     }
     println!("largest difference {largest:.1e}");
 }
-
-#[test]
-#[ignore = "nightly: tests the tests' reference"]
-fn smooth_normals_differ_from_the_facets() {
-    let facets = 8;
-    let scene = Scene::new(Geometry::FacetedCylinder {
-        cylinder_radius: 1.0,
-        facets,
-    });
-    let camera = camera(
-        DVec3::new(0.0, 0.0, 3.0),
-        DVec3::ZERO,
-        PERSPECTIVE,
-        UVec2::splat(64),
-    );
-    let buffer = DepthBuffer::new(camera, &scene);
-    let (flat, smooth) = (buffer.normals(), buffer.smooth_normals(&scene));
-    let angles = flat
-        .iter()
-        .zip(&smooth)
-        .filter_map(|(flat, smooth)| Some((*flat)?.angle_between((*smooth)?)));
-    let largest = angles.fold(0.0, f32::max);
-    // Half the angle between facets, reached at the edges.
-    let half = std::f32::consts::PI / facets as f32;
-    assert!((0.9 * half..=half + 1e-3).contains(&largest), "{largest}");
-}

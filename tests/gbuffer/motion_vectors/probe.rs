@@ -12,7 +12,7 @@ use bevy::{
     },
 };
 
-use kit::headless::Headless;
+use kit::{gpu::compute_pipeline, headless::Headless};
 
 const SHADER: &str = "
 @group(0) @binding(0) var motion_vectors: texture_2d<f32>;
@@ -39,18 +39,7 @@ pub fn install(headless: &mut Headless) {
     let bytes = u64::from(headless.size.element_product()) * 8;
     let render_app = headless.app.sub_app_mut(RenderApp);
     let device = render_app.world().resource::<RenderDevice>().wgpu_device();
-    let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(SHADER.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &shader,
-        entry_point: None,
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
+    let pipeline = compute_pipeline(device, SHADER, None);
     let buffer = |usage| {
         device.create_buffer(&wgpu::BufferDescriptor {
             label: None,

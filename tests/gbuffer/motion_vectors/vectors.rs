@@ -21,20 +21,6 @@ use super::{
     move_all, probe, scene, shift_movers, still_and_moving, taa, turn_camera,
 };
 
-#[test]
-#[ignore = "nightly: the next test without its meshes"]
-fn moving_camera() {
-    in_own_process(|| {
-        let targets = Case::new(
-            "moving_camera",
-            |s| scene(s, taa()),
-            |world, frame| turn_camera(world, frame as f32 * 0.01),
-        )
-        .compare();
-        assert_eq!(targets, [0usize; 0], "nothing else moves");
-    });
-}
-
 /// In its first frame of motion Bevy's prepass draws a mesh; from then on the view has a target.
 #[test]
 fn moving_meshes() {
@@ -163,23 +149,6 @@ fn teleporting_camera() {
             "motion where the divisor of a former place is next to 0",
         );
         assert!(errors.largest_share <= most, "{errors:?}");
-    });
-}
-
-#[test]
-#[ignore = "nightly: moving meshes, faster"]
-fn teleporting_meshes() {
-    in_own_process(|| {
-        Case::new(
-            "teleporting_meshes",
-            |s| still_and_moving(s, taa()),
-            |world, frame| {
-                if frame == 4 {
-                    shift_movers(world, Vec3::new(-1.5, 0.8, -2.0));
-                }
-            },
-        )
-        .compare();
     });
 }
 

@@ -198,8 +198,16 @@ pub fn all() -> &'static [Composed] {
             shader!("effects/subsurface/up.wgsl", "UNPACKED"),
             shader!("effects/subsurface/up.wgsl", "UNPACKED", "LISTED"),
             shader!("effects/subsurface/picture.wgsl", "PICTURE", "UNPACKED"),
-            shader!("effects/debug_view/debug_view.wgsl", "SHOWS_HIT"),
-            shader!("effects/debug_view/debug_view.wgsl", "SHOWS_LIGHT"),
+            shader!(
+                "effects/debug_view/debug_view.wgsl",
+                "SHOWS_HIT",
+                "DIVISOR=2"
+            ),
+            shader!(
+                "effects/debug_view/debug_view.wgsl",
+                "SHOWS_LIGHT",
+                "DIVISOR=1"
+            ),
             shader!("gbuffer/resolve_motion.wgsl", "GBUFFER_MOTION"),
             shader!("gbuffer/resolve_motion.wgsl", "LATE"),
             shader!(

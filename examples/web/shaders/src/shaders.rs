@@ -214,7 +214,7 @@ fn screen_space() -> Vec<Shader> {
         ),
         (
             "effects/debug_view/debug_view.wgsl",
-            combinations("", &[shown]),
+            combinations("DIVISOR=2", &[shown]),
         ),
     ]
 }
