@@ -21,7 +21,6 @@
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: runs the passes.
 // - `hi_z.wgsl`: the first pass.
-// - `cell.wgsl`: cells, and their depths packed into a word.
 // - `trace.wgsl`: the second pass.
 // - `ray.wgsl`: a ray on screen, and its hits.
 // - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
@@ -97,7 +96,6 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         ReprojectionPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
-        load_shader_library!(app, "cell.wgsl");
         load_shader_library!(app, "ray.wgsl");
         load_shader_library!(app, "smooth_march.wgsl");
         load_shader_library!(app, "rough_march.wgsl");
