@@ -16,7 +16,8 @@
 #import bevy_pbr::pbr_fragment::pbr_input_from_vertex_output
 #endif
 #else
-#import bevy_lean_deferred::lighting::forward::light::apply_lean_lighting
+#import bevy_lean_deferred::lighting::forward::light::apply_lean_lighting_with_reflection
+#import bevy_lean_deferred::lighting::forward::reflected_light::lean_reflected_light
 #import bevy_pbr::{
     forward_io::{FragmentOutput, Vertex, VertexOutput},
     mesh_view_bindings::globals,
@@ -111,7 +112,7 @@ fn set_surface(pbr_input: ptr<function, PbrInput>) {
     let waves = waves_at((*pbr_input).world_position.xz, globals.time, ALL_WAVES);
     let foam = smoothstep(0.9, 1.6, waves.height / water.height);
     (*pbr_input).N = normal_of(waves);
-    (*pbr_input).material.base_color = vec4(mix(water.color.rgb, vec3(0.8), foam), 1.0);
+    (*pbr_input).material.base_color = mix(water.color, vec4(0.8, 0.8, 0.8, 1.0), foam);
     (*pbr_input).material.perceptual_roughness = mix(0.08, 0.7, foam);
 }
 
@@ -131,7 +132,14 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> GBufferO
 fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
     var pbr_input = pbr_input_from_vertex_output(in, is_front, false);
     set_surface(&pbr_input);
-    let color = apply_lean_lighting(pbr_input);
+    // The shore as the last frame showed it; 0 on cameras that do not ask for reflections on forward meshes.
+    let roughness = pbr_input.material.perceptual_roughness;
+    let mirrored = lean_reflected_light(pbr_input.world_position.xyz, pbr_input.N, roughness);
+    var color = apply_lean_lighting_with_reflection(pbr_input, mirrored);
+    // The flatter the view, the more the water mirrors, and the less is seen through it (Schlick 1994, "An Inexpensive BRDF Model for
+    // Physically-based Rendering").
+    let facing = saturate(dot(pbr_input.N, pbr_input.V));
+    color.a = mix(color.a, 1.0, pow(1.0 - facing, 5.0));
     return FragmentOutput(main_pass_post_lighting_processing(pbr_input, color));
 }
 #endif

@@ -1,6 +1,7 @@
-//! A material of your own in the G-buffer: water, which its vertex shader moves. `assets/shaders/water.wgsl` is its shader.
+//! A material of your own in the G-buffer: water, which its vertex shader moves. `assets/shaders/water.wgsl` is its shader. Clear water is
+//! blended: Bevy's pass draws it, and its shader asks for the light that it mirrors.
 //!
-//! `cargo run --example custom_material -- [--headless OUT.png] [--help]`
+//! `cargo run --example custom_material -- [--clear] [--headless OUT.png] [--help]`
 
 use argh::FromArgs;
 use bevy::{
@@ -17,6 +18,7 @@ use bevy::{
     shader::ShaderRef,
 };
 use bevy_lean_deferred::{
+    effects::LeanScreenSpaceReflectionsAdvanced,
     gbuffer::{ForwardReason, GBufferTargets},
     lighting::define_lean_lighting,
     prelude::*,
@@ -32,6 +34,9 @@ use kit::{
 /// Animated water in the G-buffer.
 #[derive(FromArgs)]
 struct Args {
+    /// clear water, through which the ground is seen
+    #[argh(switch)]
+    clear: bool,
     /// render without a window, write this PNG and quit
     #[argh(option)]
     headless: Option<String>,
@@ -39,6 +44,8 @@ struct Args {
 
 fn main() -> AppExit {
     let args: Args = argh::from_env();
+    let opacity = if args.clear { 0.35 } else { 1.0 };
+    let add_scene = move |app: &mut App| add_scene(app, opacity);
     if let Some(path) = args.headless {
         let headless = Headless::with(UVec2::new(1280, 720), add_scene);
         // TAA averages as many frames.
@@ -50,11 +57,16 @@ fn main() -> AppExit {
         .run()
 }
 
-fn add_scene(app: &mut App) {
+/// Opacity of the water that is looked at from above.
+#[derive(Resource)]
+struct Opacity(f32);
+
+fn add_scene(app: &mut App, opacity: f32) {
     app.add_plugins((
         MaterialPlugin::<Water>::default(),
         GBufferMaterialPlugin::<Water>::default(),
     ))
+    .insert_resource(Opacity(opacity))
     .insert_resource(SceneReady)
     .add_systems(Startup, setup);
 }
@@ -64,6 +76,7 @@ const SHADER: &str = "shaders/water.wgsl";
 /// Waves on a horizontal plane.
 #[derive(Asset, AsBindGroup, TypePath, Clone)]
 pub struct Water {
+    /// Blended if its alpha is less than 1.
     #[uniform(0)]
     pub color: LinearRgba,
     /// Height of the longest wave, in metres.
@@ -90,7 +103,15 @@ impl Material for Water {
         SHADER.into()
     }
 
-    // For `apply_lean_lighting`, on cameras that are not lean.
+    fn alpha_mode(&self) -> AlphaMode {
+        if self.color.alpha < 1.0 {
+            AlphaMode::Blend
+        } else {
+            AlphaMode::Opaque
+        }
+    }
+
+    // For the light functions in Bevy's passes.
     fn specialize(
         _: &MaterialPipeline,
         descriptor: &mut RenderPipelineDescriptor,
@@ -122,12 +143,20 @@ fn setup(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut waters: ResMut<Assets<Water>>,
     mut images: ResMut<Assets<Image>>,
+    opacity: Res<Opacity>,
 ) {
     let sky = images.add(made_up_sky());
     commands.spawn((
         Camera3d::default(),
         LeanDeferred::default(),
-        LeanScreenSpaceReflections::default(),
+        LeanScreenSpaceReflections {
+            advanced: LeanScreenSpaceReflectionsAdvanced {
+                // On clear water too.
+                forward_meshes: true,
+                ..default()
+            },
+            ..default()
+        },
         // It reads the motion vectors.
         TemporalAntiAliasing::default(),
         Transform::from_xyz(0.0, 2.5, 9.0).looking_at(Vec3::new(0.0, 0.3, 0.0), Vec3::Y),
@@ -152,12 +181,21 @@ fn setup(
     commands.spawn((
         Mesh3d(meshes.add(Plane3d::default().mesh().size(40.0, 40.0).subdivisions(199))),
         MeshMaterial3d(waters.add(Water {
-            color: LinearRgba::rgb(0.01, 0.06, 0.08),
+            color: LinearRgba::new(0.01, 0.06, 0.08, opacity.0),
             height: 0.12,
         })),
         NotShadowCaster,
         // The waves leave the bounds of the mesh.
         NoFrustumCulling,
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(40.0, 40.0))),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color: Color::srgb(0.55, 0.47, 0.33),
+            perceptual_roughness: 0.9,
+            ..default()
+        })),
+        Transform::from_xyz(0.0, -0.7, 0.0),
     ));
     let post = meshes.add(Cuboid::new(0.3, 3.0, 0.3));
     let wood = materials.add(StandardMaterial {

@@ -107,6 +107,15 @@ pub fn mirror_app(
     roughness: f32,
     dress: impl FnOnce(&mut EntityWorldMut),
 ) -> Headless {
+    mirror_app_of(size, metal(roughness), dress)
+}
+
+/// The same with another mirror. Nothing is behind it.
+pub fn mirror_app_of(
+    size: UVec2,
+    mirror_material: StandardMaterial,
+    dress: impl FnOnce(&mut EntityWorldMut),
+) -> Headless {
     build(size, |s| {
         let wall = image(s);
         let wall = StandardMaterial {
@@ -131,7 +140,7 @@ pub fn mirror_app(
             Transform::from_translation(BOX.0),
         );
         let mirror = Plane3d::default().mesh().size(8.0, 8.0);
-        s.mesh(mirror, metal(roughness), Transform::default());
+        s.mesh(mirror, mirror_material, Transform::default());
         let from = Transform::from_xyz(0.0, 1.1, 3.2);
         let from = from.looking_at(Vec3::new(0.0, 0.35, 0.0), Vec3::Y);
         let entity = camera(s, from, 0.0, ());

@@ -11,8 +11,8 @@ use bevy::{
 };
 
 use super::{
-    features::LightingKey, light_layer_table::LightLayersTable, parts::LightingParts,
-    tile_list::TileList,
+    features::LightingKey, forward::OwnGroups, light_layer_table::LightLayersTable,
+    parts::LightingParts, tile_list::TileList,
 };
 use crate::gpu::bind_group_cache::CachedBindGroup;
 
@@ -29,8 +29,8 @@ pub struct ViewLighting {
     pub(super) tile_list: Option<TileList>,
     pub(super) light_layers: Option<StorageBuffer<LightLayersTable>>,
     pub(super) bindings: ViewLightingBindings,
-    /// The layers of lights, for meshes that Bevy's passes draw.
-    pub(super) forward_layers: CachedBindGroup,
+    /// For meshes that Bevy's passes draw.
+    pub(super) forward_groups: OwnGroups,
 }
 
 impl ViewLighting {

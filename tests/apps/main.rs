@@ -7,6 +7,7 @@ mod compiling;
 mod devices;
 mod dropped_model;
 mod fallback;
+mod few_bindings;
 mod first_frame;
 mod history;
 mod labels;

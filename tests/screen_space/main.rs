@@ -7,6 +7,7 @@ mod diffuse_gi;
 mod energy;
 mod film;
 mod fog;
+mod forward_mirrors;
 mod hard_cases;
 mod hostile;
 mod mirror_images;

@@ -28,7 +28,10 @@ pub const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
 /// Reflections that do not fade at the picture's edge.
 pub fn reflections() -> LeanScreenSpaceReflections {
     LeanScreenSpaceReflections {
-        advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: 0.0 },
+        advanced: LeanScreenSpaceReflectionsAdvanced {
+            edge_fade: 0.0,
+            ..default()
+        },
         ..default()
     }
 }

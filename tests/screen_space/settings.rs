@@ -341,7 +341,10 @@ fn settings_may_be_anything() {
                 camera.insert(LeanScreenSpaceReflections {
                     thickness: number,
                     max_roughness: number,
-                    advanced: LeanScreenSpaceReflectionsAdvanced { edge_fade: number },
+                    advanced: LeanScreenSpaceReflectionsAdvanced {
+                        edge_fade: number,
+                        ..default()
+                    },
                     intensity: number,
                     ..default()
                 });

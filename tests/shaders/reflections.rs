@@ -5,20 +5,20 @@ use kit::{
     analytic_mirrors::sent_on,
     compute::Compute,
     random::Random,
-    reference::{
-        effects::reflections::cell::{pack_cell, unpack_cell},
-        shader_library::ggx::sample_lobe,
+    reference::shader_library::{
+        cell::{pack_cell, unpack_cell},
+        ggx::sample_lobe,
     },
     shipped_wgsl,
     skipped::on_swiftshader,
     wgsl::WgslModule,
 };
 
-const CELL: WgslModule = shipped_wgsl!("effects/reflections/cell.wgsl");
+const CELL: WgslModule = shipped_wgsl!("shader_library/cell.wgsl");
 const GGX: WgslModule = shipped_wgsl!("shader_library/ggx.wgsl");
 
 const PACK: &str = "
-#import bevy_lean_deferred::effects::reflections::cell::{pack_cell, unpack_cell}
+#import bevy_lean_deferred::cell::{pack_cell, unpack_cell}
 fn kernel(bits: array<u32, 2>) -> array<u32, 3> {
     let word = pack_cell(bitcast<f32>(bits[0]), bitcast<f32>(bits[1]));
     let depths = unpack_cell(word);

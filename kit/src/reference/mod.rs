@@ -9,9 +9,6 @@ pub mod effects {
     pub mod diffuse_gi {
         pub mod entry;
     }
-    pub mod reflections {
-        pub mod cell;
-    }
     pub mod reprojection;
     pub mod subsurface {
         pub mod profile;
@@ -19,6 +16,7 @@ pub mod effects {
 }
 
 pub mod shader_library {
+    pub mod cell;
     pub mod distance_fog;
     pub mod ggx;
     pub mod horizon;

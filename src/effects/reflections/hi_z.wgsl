@@ -3,7 +3,7 @@
 #import bevy_lean_deferred::effects::reflections::bindings::{
     behind, hi_z_output, depth_sampler, depth_texture, edge_step, view,
 }
-#import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, pack_cell}
+#import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, pack_cell}
 
 var<workgroup> hi_z_4: array<vec2<f32>, 256>;
 var<workgroup> hi_z_16: array<vec2<f32>, 16>;

@@ -16,12 +16,12 @@
 // - `uniforms.rs`, `view.wgsl`: the uniform of a view.
 // - `key.rs`: pipeline keys.
 // - `pipelines.rs`: the table of the passes, their bindings and pipelines.
+// - `forward.rs`: lets forward meshes trace rays through the textures of the passes.
 // - `fixtures.rs`: samplers and a texture that all views share.
 // - `active.rs`: decides per view and frame if reflections are computed.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: runs the passes.
 // - `hi_z.wgsl`: the first pass.
-// - `cell.wgsl`: cells, and their depths packed into a word.
 // - `trace.wgsl`: the second pass.
 // - `ray.wgsl`: a ray on screen, and its hits.
 // - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
@@ -38,6 +38,7 @@ mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod fixtures;
+mod forward;
 mod key;
 mod pass;
 mod pipelines;
@@ -74,6 +75,7 @@ use super::{
 };
 use crate::{
     gpu::recovery,
+    lighting::forward::{ForwardReflections, prepare_forward_groups},
     view::{
         ActiveLeanView, Effect, EffectSystems, GBufferPasses, IndirectLightPasses,
         IndirectSpecular, LeanViewSystems, LightingPasses, SharedPlugin, ViewTextureSystems,
@@ -97,7 +99,6 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         ReprojectionPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
-        load_shader_library!(app, "cell.wgsl");
         load_shader_library!(app, "ray.wgsl");
         load_shader_library!(app, "smooth_march.wgsl");
         load_shader_library!(app, "rough_march.wgsl");
@@ -126,7 +127,12 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         );
         removal::remove_with::<
             ActiveReflections,
-            (ViewReflections, ReflectionBindings, IndirectSpecular),
+            (
+                ViewReflections,
+                ReflectionBindings,
+                IndirectSpecular,
+                ForwardReflections,
+            ),
         >(render_app);
         removal::remove_with::<ActiveLeanView, (ViewReflections, ReflectionBindings)>(render_app);
         removal::remove_with::<ViewReflections, RayHits>(render_app);
@@ -149,7 +155,11 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
             .add_systems(
                 Render,
                 (
-                    active::decide_active_reflections
+                    (
+                        active::decide_active_reflections,
+                        forward::decide_forward_reflections,
+                    )
+                        .chain()
                         .in_set(RenderSystems::PrepareAssets)
                         .before(LeanViewSystems),
                     prepare::prepare_reflections
@@ -158,6 +168,9 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                     prepare::prepare_reflection_bind_groups
                         .in_set(RenderSystems::PrepareBindGroups)
                         .after(prepare_history_bind_groups),
+                    forward::prepare_forward_reflections
+                        .in_set(RenderSystems::PrepareBindGroups)
+                        .before(prepare_forward_groups),
                 )
                     .in_set(EffectSystems::Reflections),
             )

@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
-        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture},
+        render_resource::{BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureView},
         renderer::{RenderDevice, RenderQueue},
         texture::FallbackImageZero,
         view::{ExtractedView, ViewDepthTexture},
@@ -132,6 +132,11 @@ impl ViewReflections {
 
     pub(super) fn bytes(&self) -> u64 {
         self.textures().map(texture_bytes).sum()
+    }
+
+    /// The cells, as rays of forward meshes read them.
+    pub(super) fn hi_z(&self) -> &TextureView {
+        &self.hi_z.view
     }
 
     /// All textures that it holds.

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::effects::reflections::rough_march
 
 #import bevy_lean_deferred::effects::reflections::bindings::{depth_in_view, edge_step, hi_z_texture, view}
-#import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
+#import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
 /// Largest factor on the length of segments, reached in front of all surfaces.

@@ -10,7 +10,8 @@ use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 /// and ambient light with the same Fresnel, roughness and energy terms; they also work in scenes without these.
 ///
 /// Surfaces that are off screen, hidden or turned away are not reflected; the environment shows there, as without the component.
-/// Meshes in Bevy's forward passes are reflected only if the camera has `DepthPrepass`, and reflect nothing themselves. Light that
+/// Meshes in Bevy's forward passes are reflected only if the camera has `DepthPrepass`, and reflect only with
+/// [`forward_meshes`](LeanScreenSpaceReflectionsAdvanced::forward_meshes). Light that
 /// they and transparent meshes add to the image in front of a reflected surface is reflected with it. Distance fog applies to the whole
 /// way of reflected light once. Without `MotionVectorPrepass`,
 /// the light of moving surfaces lags one frame behind. Anisotropic surfaces reflect as isotropic ones.
@@ -102,11 +103,19 @@ impl Default for LeanScreenSpaceReflections {
 pub struct LeanScreenSpaceReflectionsAdvanced {
     /// Width of the fade at the edges of the image, as a share of the viewport's height. 0 to 0.5. Default 0.05.
     pub edge_fade: f32,
+    /// Reflections on forward meshes too: glass, water, grates, and all others that this crate's light functions
+    /// [light](crate::view::LeanDeferredAdvanced::lights_forward_meshes). Each of their fragments marches a ray of its own, at full
+    /// resolution and for each layer of blended meshes, where opaque surfaces share rays: so the cost has no bound per pixel, and the
+    /// default is false. Needs a device with five bind groups.
+    pub forward_meshes: bool,
 }
 
 impl Default for LeanScreenSpaceReflectionsAdvanced {
     fn default() -> Self {
-        Self { edge_fade: 0.05 }
+        Self {
+            edge_fade: 0.05,
+            forward_meshes: false,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::effects::reflections::smooth_march
 
 #import bevy_lean_deferred::effects::reflections::bindings::{behind, edge_step, hi_z_texture, depth_texture, view}
-#import bevy_lean_deferred::effects::reflections::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
+#import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
 
 /// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest

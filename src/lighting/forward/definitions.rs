@@ -22,8 +22,9 @@ const WITH_BEVYS: [(&str, &str); 2] = [
     ("LIGHTMAP", "LIGHTMAPPED_SURFACES"),
 ];
 
-/// Turns the definitions of Bevy's pipeline into those of the crate's, for a mesh with these `layers` if the view has light layers.
-pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>) {
+/// Turns the definitions of Bevy's pipeline into those of the crate's, for a mesh with these `layers` if the view has light layers, and
+/// with reflections if it `reflects`.
+pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>, reflects: bool) {
     let has = |name: &str| definitions.iter().any(|other| name_of(other) == name);
     // Bevy's shader ignores contact shadows there.
     let drops_contact_shadows = !has("DEPTH_PREPASS");
@@ -31,6 +32,7 @@ pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>) {
     let mut names: Vec<&str> = ALWAYS.into_iter().collect();
     names.extend(with_bevys.map(|(_, own)| own));
     names.extend(layers.map(|_| "LIGHT_LAYERS"));
+    names.extend(reflects.then_some("FORWARD_REFLECTIONS"));
     let implied: Vec<&str> = names
         .iter()
         .flat_map(|name| implied_by(name))
@@ -54,9 +56,9 @@ pub fn extend(definitions: &mut Vec<ShaderDefVal>, layers: Option<u32>) {
 mod tests {
     use super::*;
 
-    fn extended(bevys: &[&str], layers: Option<u32>) -> Vec<String> {
+    fn extended(bevys: &[&str], layers: Option<u32>, reflects: bool) -> Vec<String> {
         let mut definitions = bevys.iter().map(|name| (*name).into()).collect();
-        extend(&mut definitions, layers);
+        extend(&mut definitions, layers, reflects);
         definitions
             .iter()
             .map(|definition| name_of(definition).into())
@@ -65,15 +67,21 @@ mod tests {
 
     #[test]
     fn definitions_follow_from_bevys() {
-        let plain = extended(&["CONTACT_SHADOWS"], None);
+        let plain = extended(&["CONTACT_SHADOWS"], None, false);
         for name in ["FORWARD_MESH", "SHADOWS", "GEOMETRIC_NORMAL"] {
             assert_eq!(plain.iter().filter(|other| *other == name).count(), 1);
         }
-        for name in ["CONTACT_SHADOWS", "SOFT_SHADOWS", "LIGHT_LAYERS"] {
+        for name in [
+            "CONTACT_SHADOWS",
+            "SOFT_SHADOWS",
+            "LIGHT_LAYERS",
+            "FORWARD_REFLECTIONS",
+            "INDIRECT_LIGHT",
+        ] {
             assert!(!plain.iter().any(|other| other == name), "{name}");
         }
         let mut twice = vec!["FORWARD_MESH".into()];
-        extend(&mut twice, None);
+        extend(&mut twice, None, false);
         let count = |name| twice.iter().filter(|other| name_of(other) == name).count();
         assert_eq!(["FORWARD_MESH", "SHADOWS"].map(count), [1, 1]);
         let bevys = [
@@ -82,13 +90,16 @@ mod tests {
             "LIGHTMAP",
             "PCSS_SAMPLERS_AVAILABLE",
         ];
-        let more = extended(&bevys, Some(5));
+        let more = extended(&bevys, Some(5), true);
         for name in [
             "CONTACT_SHADOWS",
             "LIGHTMAPPED_SURFACES",
             "SOFT_SHADOWS",
             "LIGHT_LAYERS",
             "MESH_LAYERS",
+            "FORWARD_REFLECTIONS",
+            "INDIRECT_SPECULAR",
+            "INDIRECT_LIGHT",
         ] {
             assert!(more.iter().any(|other| other == name), "{name}");
         }

@@ -1,6 +1,8 @@
 // Light of a surface in Bevy's passes, by the crate's loop over lights in place of Bevy's. All bindings are Bevy's, but for the layers of
-// lights. Without the definitions of `definitions.rs`, Bevy's loop lights the surface.
+// lights and for reflections. Without the definitions of `definitions.rs`, Bevy's loop lights the surface.
 #define_import_path bevy_lean_deferred::lighting::forward::light
+
+#import bevy_lean_deferred::lighting::forward::reflected_light::lean_reflected_light
 
 #ifdef FORWARD_MESH
 #import bevy_lean_deferred::lighting::lights::{
@@ -27,15 +29,41 @@
 #import bevy_pbr::pbr_types::PbrInput
 #endif  // FORWARD_MESH
 
-#ifdef FORWARD_MESH
+/// The picture in the mirror of a surface, or of its coat.
+fn reflected_light_of(pbr: PbrInput) -> vec4<f32> {
+#ifdef FORWARD_REFLECTIONS
+    var roughness = pbr.material.perceptual_roughness;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    if pbr.material.clearcoat > 0.0 {
+        roughness = pbr.material.clearcoat_perceptual_roughness;
+    }
+#endif
+    return lean_reflected_light(pbr.world_position.xyz, pbr.N, roughness);
+#else
+    return vec4(0.0);
+#endif
+}
+
 /// Exposed light towards the viewer, before fog: in place of Bevy's `apply_pbr_lighting`. Without specular transmission; the normal of a
-/// clear coat is `N`.
+/// clear coat is `N`. With reflections of the picture, where the view has them on forward meshes.
 fn apply_lean_lighting(pbr: PbrInput) -> vec4<f32> {
+    return apply_lean_lighting_with_reflection(pbr, reflected_light_of(pbr));
+}
+
+#ifdef FORWARD_MESH
+/// As `apply_lean_lighting`, with a `reflected` light as `lean_reflected_light` returns it: it is multiplied by Fresnel's terms, and replaces
+/// the environment by its confidence. Ignored where the view has no reflections on forward meshes.
+fn apply_lean_lighting_with_reflection(pbr: PbrInput, reflected: vec4<f32>) -> vec4<f32> {
     let view_z = (view.view_from_world * pbr.world_position).z;
     let cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
     var point = shading_point(pbr, view_z);
     var lit: Lit;
-    add_indirect_light(&point, pbr, cluster, no_screen_space_light(pbr.diffuse_occlusion), &lit);
+    var found = no_screen_space_light(pbr.diffuse_occlusion);
+#ifdef FORWARD_REFLECTIONS
+    found.radiance = reflected.rgb / view.exposure;
+    found.confidence = saturate(reflected.a);
+#endif
+    add_indirect_light(&point, pbr, cluster, found, &lit);
 #ifdef AREA_LIGHT_LUTS
     add_rect_lights(&point, &lit);
 #endif
@@ -49,7 +77,7 @@ fn apply_lean_lighting(pbr: PbrInput) -> vec4<f32> {
     return vec4(view.exposure * light + emitted_light(pbr), pbr.material.base_color.a);
 }
 #else   // FORWARD_MESH
-fn apply_lean_lighting(pbr: PbrInput) -> vec4<f32> {
+fn apply_lean_lighting_with_reflection(pbr: PbrInput, reflected: vec4<f32>) -> vec4<f32> {
     return apply_pbr_lighting(pbr);
 }
 #endif  // FORWARD_MESH

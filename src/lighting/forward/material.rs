@@ -84,7 +84,7 @@ pub fn define_lean_lighting(descriptor: &mut RenderPipelineDescriptor) {
         definitions.any(|definition| name_of(definition) == name)
     };
     if !has(PREPASS) && !has_two_models(has) {
-        extend(&mut fragment.shader_defs, None);
+        extend(&mut fragment.shader_defs, None, false);
     }
 }
 

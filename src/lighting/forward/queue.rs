@@ -16,8 +16,9 @@ use bevy::{
 };
 
 use super::{
-    layers::DrawWithLightLayers,
-    pipelines::{ForwardPipelines, PipelineChoice},
+    own_group::DrawWithOwnGroup,
+    pipelines::{ForwardPipelines, OwnPipeline, Variant},
+    reflections::ForwardReflections,
 };
 use crate::{
     gbuffer::{ForwardDraw, ForwardDrawFunctions, ForwardDraws, LeftMeshes},
@@ -26,22 +27,38 @@ use crate::{
 };
 
 system_param! {
-    /// The draw functions of meshes that read the layers of lights.
-    pub(super) struct LayeredDrawFunctions<'w, 's> {
+    /// The draw functions of meshes with a bind group of the crate's own.
+    pub(super) struct OwnDrawFunctions<'w, 's> {
         opaque: Res<'w, DrawFunctions<Opaque3d>>,
         alpha_mask: Res<'w, DrawFunctions<AlphaMask3d>>,
         transparent: Res<'w, DrawFunctions<Transparent3d>>,
-        ids: Local<'s, Option<ForwardDrawFunctions>>,
+        /// Of the group of layers, and of that of reflections.
+        ids: Local<'s, Option<[ForwardDrawFunctions; 2]>>,
     }
 }
 
-impl LayeredDrawFunctions<'_, '_> {
-    fn ids(&mut self) -> ForwardDrawFunctions {
-        *self.ids.get_or_insert_with(|| ForwardDrawFunctions {
-            opaque: self.opaque.read().id::<DrawWithLightLayers>(),
-            alpha_mask: self.alpha_mask.read().id::<DrawWithLightLayers>(),
-            transparent: self.transparent.read().id::<DrawWithLightLayers>(),
-        })
+impl OwnDrawFunctions<'_, '_> {
+    fn ids(&mut self, reflects: bool) -> ForwardDrawFunctions {
+        let ids = *self.ids.get_or_insert_with(|| {
+            let (opaque, alpha_mask, transparent) = (
+                self.opaque.read(),
+                self.alpha_mask.read(),
+                self.transparent.read(),
+            );
+            [
+                ForwardDrawFunctions {
+                    opaque: opaque.id::<DrawWithOwnGroup<false>>(),
+                    alpha_mask: alpha_mask.id::<DrawWithOwnGroup<false>>(),
+                    transparent: transparent.id::<DrawWithOwnGroup<false>>(),
+                },
+                ForwardDrawFunctions {
+                    opaque: opaque.id::<DrawWithOwnGroup<true>>(),
+                    alpha_mask: alpha_mask.id::<DrawWithOwnGroup<true>>(),
+                    transparent: transparent.id::<DrawWithOwnGroup<true>>(),
+                },
+            ]
+        });
+        ids[usize::from(reflects)]
     }
 }
 
@@ -59,13 +76,14 @@ pub(super) struct ForwardView {
 struct Mode {
     is_lit: bool,
     reads_layers: bool,
+    reflects: bool,
 }
 
 /// Chooses the pipelines of meshes that views have left to Bevy in this frame. In frames in which a pipeline was compiled or a
 /// view has changed, those of all such meshes.
 pub(super) fn light_forward_meshes(
     mut draws: ForwardDraws,
-    mut draw_functions: LayeredDrawFunctions,
+    mut draw_functions: OwnDrawFunctions,
     mut pipelines: ResMut<ForwardPipelines>,
     (left, cache, watch): (Res<LeftMeshes>, Res<PipelineCache>, Res<PipelineWatch>),
     views: Query<(
@@ -73,6 +91,7 @@ pub(super) fn light_forward_meshes(
         &RenderVisibleEntities,
         &LeanDeferred,
         Option<&ActiveLeanView>,
+        Has<ForwardReflections>,
     )>,
     mut forward_views: Local<HashMap<RetainedViewEntity, ForwardView>>,
     mut changes: Local<Vec<ForwardDraw>>,
@@ -87,7 +106,7 @@ pub(super) fn light_forward_meshes(
         let mut views = views.iter();
         views.any(|(other, ..)| other.retained_view_entity == *view)
     });
-    for (view, visible, settings, active) in &views {
+    for (view, visible, settings, active, reflects) in &views {
         let retained = view.retained_view_entity;
         let Some(visible) = visible.get::<Mesh3d>() else {
             continue;
@@ -112,9 +131,17 @@ pub(super) fn light_forward_meshes(
             draws.change(&retained, &changes);
             continue;
         };
+        let has_group = pipelines.layouts.is_some();
+        if reflects && !has_group {
+            warn_once!(
+                "forward meshes do not reflect the image (`LeanScreenSpaceReflectionsAdvanced::forward_meshes`): the device has four bind \
+                 groups of five; environment maps and ambient light remain"
+            );
+        }
         let mode = Mode {
             is_lit: settings.advanced.lights_forward_meshes,
-            reads_layers: active.has_light_layers && pipelines.layers_layout.is_some(),
+            reads_layers: active.has_light_layers && has_group,
+            reflects: reflects && has_group,
         };
         let looks_at_all =
             core::mem::replace(&mut forward.mode, mode) != mode || pipelines_have_changed;
@@ -127,16 +154,16 @@ pub(super) fn light_forward_meshes(
                 (&retained, visible),
                 mesh,
             );
-            let Some((pipeline, is_own)) = found else {
+            let Some((bevys, own)) = found else {
                 continue;
             };
-            draws.report(&retained, mesh, is_own);
-            if is_own || was_lit {
-                let layered = is_own && mode.reads_layers;
+            draws.report(&retained, mesh, own.is_some());
+            if own.is_some() || was_lit {
+                let with_group = own.filter(|own| mode.reads_layers || own.reflects);
                 changes.push(ForwardDraw {
                     mesh,
-                    pipeline,
-                    draw_functions: layered.then(|| draw_functions.ids()),
+                    pipeline: own.map_or(bevys, |own| own.id),
+                    draw_functions: with_group.map(|own| draw_functions.ids(own.reflects)),
                 });
             }
         }
@@ -179,7 +206,7 @@ impl ForwardView {
         }
     }
 
-    /// The pipeline for a mesh, with true if it is the crate's. `None` if the mesh is not drawn.
+    /// Bevy's pipeline of a mesh, and the crate's that is to draw it, if one is. `None` if the mesh is not drawn.
     fn pipeline(
         &mut self,
         draws: &ForwardDraws,
@@ -187,26 +214,25 @@ impl ForwardView {
         cache_and_watch: (&PipelineCache, &PipelineWatch),
         (view, visible): (&RetainedViewEntity, &RenderVisibleEntitiesClass),
         mesh: MainEntity,
-    ) -> Option<(CachedRenderPipelineId, bool)> {
+    ) -> Option<(CachedRenderPipelineId, Option<OwnPipeline>)> {
         let Some(bevys) = draws.bevys_pipeline(view, visible, mesh) else {
             self.meshes.remove(&mesh);
             return None;
         };
-        let layers = (self.mode.reads_layers).then(|| draws.visibility_mask(mesh));
-        let choice = if self.mode.is_lit {
-            pipelines.choose(cache_and_watch, bevys, layers)
-        } else {
-            PipelineChoice::Bevys
-        };
-        let (pipeline, is_own) = match choice {
-            PipelineChoice::Own(own) => (own, true),
-            PipelineChoice::Bevys => (bevys, false),
-            PipelineChoice::NotKnownYet => {
+        let mut own = None;
+        if self.mode.is_lit {
+            let wanted = Variant {
+                bevys,
+                layers: (self.mode.reads_layers).then(|| draws.visibility_mask(mesh)),
+                reflects: self.mode.reflects,
+            };
+            let choice = pipelines.choose(cache_and_watch, wanted);
+            if !choice.is_known {
                 self.waiting.push(mesh);
-                (bevys, false)
             }
-        };
-        self.meshes.insert(mesh, is_own);
-        Some((pipeline, is_own))
+            own = choice.own;
+        }
+        self.meshes.insert(mesh, own.is_some());
+        Some((bevys, own))
     }
 }

@@ -49,6 +49,22 @@ pub(super) fn has_two_models(has: impl Fn(&'static str) -> bool) -> bool {
         > 1
 }
 
+/// True if the fragment shader of a material calls the light functions, which `define_lean_lighting` was called for, and its pipeline has
+/// what Bevy's meshes have beside it.
+pub(super) fn calls_light_functions(descriptor: &RenderPipelineDescriptor) -> bool {
+    let Some(fragment) = &descriptor.fragment else {
+        return false;
+    };
+    let has = |name| {
+        let mut definitions = fragment.shader_defs.iter();
+        definitions.any(|definition| name_of(definition) == name)
+    };
+    has("FORWARD_MESH")
+        && !has("OIT_ENABLED")
+        && !has("MULTISAMPLED")
+        && descriptor.layout.len() == BEVYS_GROUPS
+}
+
 /// Number of bind groups of Bevy's meshes: view, arrays of the view, mesh, material.
 pub(super) const BEVYS_GROUPS: usize = 4;
 

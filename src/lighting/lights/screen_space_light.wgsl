@@ -8,10 +8,9 @@
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::Pixel
 #import bevy_pbr::mesh_view_bindings::view
-#endif
-
 #ifdef INDIRECT_SPECULAR
 #import bevy_lean_deferred::lighting::bindings::indirect_specular_texture
+#endif
 #endif
 
 #ifdef INDIRECT_DIFFUSE

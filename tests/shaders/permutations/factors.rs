@@ -374,6 +374,7 @@ pub const FORWARD: &[Factor] = &[
         ],
     ],
     &[&[], &["LIGHT_LAYERS", "MESH_LAYERS=5"]],
+    optional!("FORWARD_REFLECTIONS", "INDIRECT_SPECULAR", "INDIRECT_LIGHT"),
     &[
         &["VIEW_PROJECTION_NONSTANDARD"],
         &["VIEW_PROJECTION_PERSPECTIVE"],

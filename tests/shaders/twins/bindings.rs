@@ -113,11 +113,7 @@ fn bindings_have_the_numbers_of_their_names() {
     let compared = [
         compare(LIGHTING, 2, targets::ALL),
         compare(LIGHTING, 3, list::ALL),
-        compare(
-            "lighting/forward/",
-            forward::LIGHT_LAYERS_GROUP,
-            forward::ALL,
-        ),
+        compare("lighting/forward/", forward::OWN_GROUP, forward::ALL),
         compare(
             "effects/ambient_occlusion/",
             0,

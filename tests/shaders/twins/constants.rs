@@ -14,11 +14,9 @@ use bevy_lean_deferred::{
     shading_models::MODELS,
 };
 use kit::reference::{
-    effects::{
-        auto_exposure::luminance, diffuse_gi::entry, reflections::cell, subsurface::profile,
-    },
+    effects::{auto_exposure::luminance, diffuse_gi::entry, subsurface::profile},
     shader_library::{
-        distance_fog, ggx,
+        cell, distance_fog, ggx,
         layout::{self, light, motion, specialization},
         reconstruction::position,
     },
@@ -97,7 +95,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("effects/diffuse_gi/entry.wgsl": entry::{
         SURFACE, WEIGHT_SHIFT, LARGEST_WEIGHT, FURTHEST, NEAREST
     });
-    constants!("effects/reflections/cell.wgsl": cell::{FIRST});
+    constants!("shader_library/cell.wgsl": cell::{FIRST});
     constants!("effects/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
     constants!("effects/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
     found

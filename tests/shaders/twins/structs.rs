@@ -15,7 +15,7 @@ use bevy_lean_deferred::{
         reflections::ReflectionUniform,
         subsurface::SubsurfaceUniform,
     },
-    lighting::{LightLayersTable, LightingUniform},
+    lighting::{LightLayersTable, LightingUniform, forward::ForwardReflectionUniform},
     material_extension::{ExtensionUniform, ShadingExtension},
     shader_library::distance_fog::FogUniform,
 };
@@ -77,6 +77,11 @@ fn structs_of_rust() -> BTreeMap<Place, Layout> {
             "lighting/bindings.wgsl",
             "LightLayersTable",
             layout_of::<LightLayersTable, _>(),
+        ),
+        (
+            "lighting/forward/bindings.wgsl",
+            "ForwardReflectionUniform",
+            layout_of::<ForwardReflectionUniform, _>(),
         ),
         (
             "effects/ambient_occlusion/view.wgsl",

@@ -1,5 +1,5 @@
 // Cells of pixels: their layout, and the nearest and furthest depth of a cell in one word. Without bindings.
-#define_import_path bevy_lean_deferred::effects::reflections::cell
+#define_import_path bevy_lean_deferred::cell
 
 /// Cells of 4, 16 and 64 pixels a side are stored one below the other. These are the rows before the latter two sizes, per row of
 /// the largest cells.
