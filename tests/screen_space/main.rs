@@ -17,6 +17,7 @@ mod reflections;
 mod resized;
 mod scenes;
 mod settings;
+mod small_lamps;
 mod subsurface;
 mod subsurface_apps;
 mod subsurface_views;

@@ -6,7 +6,8 @@
 //!
 //! 1. *levels* reprojects the diffuse light of the last frame onto the surfaces of this frame, at four mip levels.
 //! 2. *gather* marches over depth from each texel. The sixteen texels of a 4×4 block take different directions.
-//! 3. *filter* averages 4×4 texels of the same surface, which brings the sixteen directions together.
+//! 3. *filter* averages 4×4 texels of the same surface, which brings the sixteen directions together, and more of them where few
+//!    directions have most of the light.
 //!
 //! Lighting adds the light and attenuates environment maps, irradiance volumes and ambient light by the occlusion. The GPU time of the
 //! three passes is recorded as `lean_deferred/effects/diffuse_gi`.
@@ -22,7 +23,7 @@
 // - `entry.wgsl`: the words of the levels.
 // - `levels.wgsl`: depth, and the reprojected light of the last frame.
 // - `gather.wgsl`: light and occlusion of each texel.
-// - `filter.wgsl`: the mean of 4×4 texels.
+// - `filter.wgsl`: the mean of 4×4 texels, and of more beside small lamps.
 // - `forward_light.{rs,wgsl}`: adds the light of meshes that Bevy's forward passes draw.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 

@@ -14,7 +14,6 @@ use crate::{
     gpu::{
         growing_size::GrowingSize, storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
-    shader_library::tiles,
 };
 
 /// Texels per side that a workgroup of the first pass writes.
@@ -23,6 +22,8 @@ const LEVELS_SIDE: u32 = 16;
 const GATHER_SIDE: u32 = 32;
 /// Workgroups that share such a block.
 const PHASES: u32 = 16;
+/// Texels per side that a workgroup of the third pass writes.
+const FILTER_SIDE: u32 = 16;
 
 /// Depth and light of the texels of a frame.
 pub(super) struct Levels {
@@ -113,7 +114,7 @@ impl ViewGi {
         [
             of(LEVELS_SIDE),
             of(GATHER_SIDE) * UVec2::new(PHASES, 1),
-            tiles::count(self.texture_size),
+            of(FILTER_SIDE),
         ]
     }
 
