@@ -50,7 +50,7 @@ pub fn cells(viewport_size: UVec2) -> UVec2 {
 
 /// Samples on either side that are read at their pixels at any radius, of this many.
 pub fn near_steps(steps: u32) -> u32 {
-    steps.div_ceil(6)
+    (steps / 4).max(1)
 }
 
 /// True if the radius may exceed [`FAR_RADIUS`] in a view.
