@@ -150,7 +150,7 @@ fn far_marches_of_any_radius_are_as_exact_as_at_pixels() {
 fn far_marches_leave_planes_open() {
     let gpu = OcclusionGpu::new();
     for tilt in [0.0, 45.0, 80.0, 88.0] {
-        let view = plane(f64::to_radians(tilt), 1.0).with_size(UVec2::new(250, 420));
+        let view = plane(f64::to_radians(tilt), 2.0).with_size(UVec2::new(250, 420));
         let seen = view.seen_within(0.0);
         let on_surface: Vec<bool> = seen.truth.iter().map(Option::is_some).collect();
         for quality in LeanQuality::ALL {
