@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod edges;
+mod far;
 mod horizon;
 mod hostile;
 mod lean;

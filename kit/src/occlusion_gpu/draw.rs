@@ -22,8 +22,8 @@ impl OcclusionGpu {
     pub(super) fn layout(
         &self,
         stage: wgpu::ShaderStages,
-        output: Option<wgpu::TextureFormat>,
-        reads_occlusion: bool,
+        output: Option<(u32, wgpu::TextureFormat)>,
+        read: Option<u32>,
     ) -> wgpu::BindGroupLayout {
         use wgpu::BindingType as Type;
         let mut entries = vec![
@@ -51,16 +51,12 @@ impl OcclusionGpu {
                 Type::Sampler(wgpu::SamplerBindingType::NonFiltering),
             ),
         ];
-        if reads_occlusion {
-            entries.push(layout_entry(
-                numbers::OCCLUSION_TEXTURE,
-                stage,
-                float_texture(),
-            ));
+        if let Some(binding) = read {
+            entries.push(layout_entry(binding, stage, float_texture()));
         }
-        if let Some(format) = output {
+        if let Some((binding, format)) = output {
             entries.push(layout_entry(
-                numbers::OUTPUT_TEXTURE,
+                binding,
                 stage,
                 Type::StorageTexture {
                     access: wgpu::StorageTextureAccess::WriteOnly,
