@@ -29,7 +29,8 @@ impl View {
     pub fn walked(&self, frames: usize) -> Transform {
         let mut camera = self.transform();
         for _ in 0..frames {
-            camera.translation += camera.forward() * STEP;
+            let step = camera.forward() * STEP;
+            camera.translation += step;
             camera.rotate_y(TURN);
         }
         camera
