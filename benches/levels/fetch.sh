@@ -2,10 +2,12 @@
 # Fetches levels of free games from Debian's packages, and converts them to glTF for the bench `levels`.
 #
 #   sh benches/levels/fetch.sh [LEVEL…] [--out FOLDER] [--max-texture N]
+#   sh benches/levels/fetch.sh [nexuiz] [stk]
 #
 # Writes each level into FOLDER/LEVEL (default: target/levels/LEVEL): scene.gltf, scene.bin, textures, lightmaps, level.json.
-# --max-texture: larger textures are shrunk to N pixels. Without a level: lists all. Packages are fetched by apt-get and
-# unpacked in a cache folder, never into the system: 0.7 GB for nexuiz_*, 0.6 GB for stk_*.
+# --max-texture: larger textures are shrunk to N pixels. Without a level: lists those of both games, or of one. Packages are
+# fetched by apt-get and unpacked in a cache folder, never into the system: 0.3 GB to list nexuiz_* and 0.5 GB more to convert,
+# 0.6 GB for stk_*.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/levels"
@@ -15,7 +17,7 @@ fail() {
     exit 1
 }
 
-out="$here/../../target/levels" size=0 levels=""
+out="$here/../../target/levels" size=0 levels="" games=""
 while [ $# -gt 0 ]; do
     case $1 in
     --out | --max-texture)
@@ -24,8 +26,9 @@ while [ $# -gt 0 ]; do
         shift
         ;;
     stk_* | nexuiz_*) levels="$levels $1" ;;
+    stk | nexuiz) games="$games $1" ;;
     -*) fail "unknown option: $1" ;;
-    *) fail "no such level: $1 (names begin with stk_ or nexuiz_; without a name, all are listed)" ;;
+    *) fail "no such level: $1 (names begin with stk_ or nexuiz_; \`stk\` and \`nexuiz\` list them)" ;;
     esac
     shift
 done
@@ -43,11 +46,11 @@ download() {
     apt "$2" "$3" update && apt "$2" "$3" download "$1"
 }
 
-# Unpacks a package into a folder of its name, which exists only once it is complete.
+# Unpacks a package into a folder of its name, which exists only once it is complete: fetch PACKAGE MEGABYTES
 fetch() {
     [ ! -d "$cache/$1" ] || return 0
     for program in apt-get dpkg; do command -v "$program" >/dev/null || fail "$program is needed to fetch $1"; done
-    echo "fetching $1" >&2
+    echo "fetching $1, $2 MB" >&2
     part="$cache/$1.$$"
     trap 'rm -rf "$part"' EXIT
     trap 'exit 1' INT TERM
@@ -60,6 +63,7 @@ fetch() {
 }
 
 # python3 with NumPy and Pillow, which are installed into the cache if the system has none.
+command -v python3 >/dev/null || fail "python3 is needed"
 python=python3
 if ! python3 -c "import numpy, PIL" 2>/dev/null; then
     python="$cache/venv/bin/python3"
@@ -75,22 +79,20 @@ convert() {
     case $1 in
     stk)
         converter=supertuxkart
-        fetch supertuxkart-data
+        fetch supertuxkart-data 628
         ;;
     nexuiz)
         converter=nexuiz
-        fetch nexuiz-data
-        [ $# -eq 1 ] || fetch nexuiz-textures # nexuiz-data has the names of the maps
+        fetch nexuiz-data 267
+        [ $# -eq 1 ] || fetch nexuiz-textures 456 # nexuiz-data has the names of the maps
         ;;
     esac
     shift
     "$python" -B "$here/convert/$converter.py" "$cache" "$@"
 }
 
-if [ -z "$levels" ]; then
-    convert nexuiz
-    convert stk
-fi
+[ -n "$levels$games" ] || games="nexuiz stk"
+for game in $games; do convert "$game"; done
 for level in $levels; do
     convert "${level%%_*}" "$level" "$out/$level" --max-texture "$size"
     echo "*" >"$out/$level/.gitignore"

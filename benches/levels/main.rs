@@ -18,11 +18,10 @@ use contender::Contender;
 use figures::benches::{Figures, Levels};
 use kit::{
     figures::write_json,
-    headless::Picture,
     levels::{Level, read_views, write_room},
-    metrics::pixel_difference,
     size::parse_size,
 };
+use run::Shot;
 
 /// GPU time, bytes, error and memory of glTF levels: Bevy forward, Bevy deferred, this crate, this crate with effects.
 #[derive(FromArgs)]
@@ -31,7 +30,7 @@ struct Args {
     #[argh(positional)]
     files: Vec<String>,
 
-    /// only the contenders with these names, comma-separated; forward, the first, is the reference of the others
+    /// only the contenders with these names, comma-separated, or all; Bevy forward is the reference of the others
     #[argh(option)]
     contender: Option<String>,
 
@@ -46,6 +45,10 @@ struct Args {
     /// file with a JSON list of views, as in level.json, in place of those of the levels
     #[argh(option)]
     path: Option<String>,
+
+    /// frames of a walk from each view, with a turning camera, default 0
+    #[argh(option, default = "0")]
+    walk: usize,
 
     /// width x height of the picture, default 3840x2160
     #[argh(option, from_str_fn(parse_size))]
@@ -84,6 +87,7 @@ struct Extent {
     views: usize,
     frames: usize,
     warm_up: usize,
+    walk: usize,
     preset: LeanPreset,
 }
 
@@ -98,6 +102,7 @@ impl Args {
             views: self.views.unwrap_or(views),
             frames: self.frames.unwrap_or(frames),
             warm_up: self.warm_up.unwrap_or(warm_up),
+            walk: self.walk,
             preset: self.preset,
         }
     }
@@ -112,12 +117,10 @@ impl Args {
         self.files.iter().map(|file| Level::open(file)).collect()
     }
 
-    fn contenders(&self) -> Vec<Contender> {
-        let is_chosen = |contender: &Contender| {
-            let names = self.contender.as_ref();
-            names.is_none_or(|names| names.split(',').any(|name| name == contender.name()))
-        };
-        Contender::ALL.into_iter().filter(is_chosen).collect()
+    fn contenders(&self) -> Result<Vec<Contender>, String> {
+        let defaults = || Contender::ALL.into_iter().filter(|c| c.is_default());
+        let names = self.contender.as_deref();
+        names.map_or_else(|| Ok(defaults().collect()), Contender::named)
     }
 }
 
@@ -132,13 +135,13 @@ fn main() {
 fn measure(args: &Args) -> Result<(), String> {
     let path = args.path.as_ref();
     let path = path.map(|path| read_views(Path::new(path))).transpose()?;
-    let (levels, contenders) = (args.levels()?, args.contenders());
+    let (levels, contenders) = (args.levels()?, args.contenders()?);
     let total = levels.len() * contenders.len();
     let mut measurements = Levels::default();
     let mut done = 0;
     for level in &levels {
-        // Forward's pictures, in the order of the views.
-        let mut references: Vec<Picture> = Vec::new();
+        // Forward's, in the order of the views.
+        let mut references: Vec<Shot> = Vec::new();
         if let Some(folder) = &args.pictures {
             keep_credits(level, Path::new(folder))?;
         }
@@ -148,20 +151,15 @@ fn measure(args: &Args) -> Result<(), String> {
             let shots = run::measure(level, *contender, path.as_deref(), args.extent())?;
             for (index, mut shot) in shots.into_iter().enumerate() {
                 if let Some(folder) = &args.pictures {
-                    let contender = contender.name().replace(' ', "_");
-                    let file = format!("{}_{}_{contender}.png", level.name, shot.figures.view);
-                    shot.picture.save(Path::new(folder).join(file));
+                    shot.save(Path::new(folder));
                 }
                 if let Some(reference) = references.get(index).filter(|_| contender.is_compared()) {
-                    let difference = pixel_difference(reference, &shot.picture);
-                    // Infinite for equal pictures, which JSON cannot express.
-                    shot.figures.psnr = difference.psnr.is_finite().then_some(difference.psnr);
-                    shot.figures.off_by_8 = Some(difference.off_by_8);
+                    shot.compare_with(reference);
                 }
                 eprintln!("{}", Levels::row(&shot.figures));
-                measurements.0.push(shot.figures);
+                measurements.0.push(shot.figures.clone());
                 if *contender == Contender::Forward {
-                    references.push(shot.picture);
+                    references.push(shot);
                 }
             }
             // After each contender, so that an interrupted run keeps its results.

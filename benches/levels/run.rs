@@ -1,6 +1,7 @@
 //! Measures the views of one level with one renderer.
 
 use core::any::TypeId;
+use std::path::Path;
 
 use bevy::{
     camera::{Hdr, visibility::VisibleEntities},
@@ -17,6 +18,7 @@ use kit::{
     gpu_time::Samples,
     headless::{Headless, Picture},
     levels::{Level, LoadedLevel, View, evenly_spread},
+    metrics::pixel_difference,
 };
 
 use crate::{Extent, contender::Contender};
@@ -29,7 +31,38 @@ const EFFECTS: &str = "lean_deferred/effects/";
 /// A measured view.
 pub struct Shot {
     pub figures: Measurement,
-    pub picture: Picture,
+    picture: Picture,
+    /// Frames of the walk from this view.
+    walk: Vec<Picture>,
+}
+
+impl Shot {
+    /// Writes the pictures into `folder`.
+    pub fn save(&self, folder: &Path) {
+        let Measurement {
+            level,
+            view,
+            contender,
+            ..
+        } = &self.figures;
+        let stem = format!("{level}_{view}_{}", contender.replace(' ', "_"));
+        self.picture.save(folder.join(format!("{stem}.png")));
+        for (frame, picture) in self.walk.iter().enumerate() {
+            picture.save(folder.join(format!("{stem}_walk_{frame:02}.png")));
+        }
+    }
+
+    /// Notes the errors against `reference`, a shot of the same view.
+    pub fn compare_with(&mut self, reference: &Self) {
+        let difference = pixel_difference(&reference.picture, &self.picture);
+        // Infinite for equal pictures, which JSON cannot express.
+        let finite = |psnr: f64| psnr.is_finite().then_some(psnr);
+        self.figures.psnr = finite(difference.psnr);
+        self.figures.off_by_8 = Some(difference.off_by_8);
+        let frames = reference.walk.iter().zip(&self.walk);
+        let worst = frames.map(|(theirs, own)| pixel_difference(theirs, own).psnr);
+        self.figures.walk_psnr = worst.min_by(f64::total_cmp).and_then(finite);
+    }
 }
 
 /// Measures the views of `path` or, without it, those of the level.
@@ -70,7 +103,15 @@ pub fn measure(
             )
         };
         let picture = headless.capture();
-        shots.push(Shot { figures, picture });
+        let walk = headless.film(extent.walk, |world, frame| {
+            let place = views[view].walked(frame + 1);
+            world.entity_mut(camera).insert(place);
+        });
+        shots.push(Shot {
+            figures,
+            picture,
+            walk,
+        });
     }
     Ok(shots)
 }
@@ -147,6 +188,7 @@ fn figures(
         bytes_in_all,
         psnr: None,
         off_by_8: None,
+        walk_psnr: None,
         memory: (world.get::<LeanMemory>(camera)).map_or(Vec::new(), bytes_by_field),
         forward: forward_meshes(world.get(camera), loaded),
     }

@@ -53,6 +53,9 @@ pub struct Measurement {
     pub psnr: Option<f64>,
     /// `None` for forward itself, and with effects.
     pub off_by_8: Option<f64>,
+    /// The worst PSNR of a walk's frames, as `psnr`; `None` without a walk.
+    #[serde(default)]
+    pub walk_psnr: Option<f64>,
     /// Bytes of GPU memory by field of `LeanMemory`. Empty for renderers of Bevy.
     pub memory: Vec<(String, u64)>,
     /// The most meshes first. Empty for renderers of Bevy.
@@ -108,11 +111,12 @@ impl Levels {
         let [geometry, lighting, blended, camera] =
             [m.geometry, m.lighting, m.blended, m.camera].map(Time::text);
         format!(
-            "{}, view {}, {}: geometry {geometry}, lighting {lighting}, blended {blended}, camera {camera} ms, PSNR {} dB",
+            "{}, view {}, {}: geometry {geometry}, lighting {lighting}, blended {blended}, camera {camera} ms, PSNR {} dB, in a walk {} dB",
             m.level,
             m.view,
             m.contender,
-            m.psnr_text()
+            m.psnr_text(),
+            fixed(m.walk_psnr, 1)
         )
     }
 
@@ -138,6 +142,42 @@ impl Levels {
             row
         };
         Table::new(&COLUMNS, self.0.iter().map(row))
+    }
+
+    /// Errors of each view against forward, and the meshes that lean cameras leave to forward.
+    pub fn views(&self) -> Table {
+        let columns = [
+            "level",
+            "view",
+            "lights",
+            "lightmapped",
+            "Bevy deferred, dB",
+            "lean, dB",
+            "meshes",
+            "drawn forward",
+        ];
+        let row = |m: &Measurement| {
+            let of_bevy = |other: &&Measurement| {
+                other.place() == m.place() && other.contender == "Bevy deferred"
+            };
+            let bevy = self.0.iter().find(of_bevy);
+            let forward = m.forward.iter();
+            let forward: Vec<String> = forward
+                .map(|forward| format!("{} {}", forward.meshes, forward.reason))
+                .collect();
+            vec![
+                m.level.clone(),
+                m.view.to_string(),
+                m.lights.to_string(),
+                m.lightmapped.to_string(),
+                bevy.map_or_else(|| fixed(None, 1), Measurement::psnr_text),
+                m.psnr_text(),
+                m.meshes.to_string(),
+                forward.join(", "),
+            ]
+        };
+        let lean = self.0.iter().filter(|m| m.contender == "lean");
+        Table::new(&columns, lean.map(row))
     }
 
     fn lean(&self) -> impl Iterator<Item = &Measurement> {

@@ -8,6 +8,11 @@ use serde::{Deserialize, de::IgnoredAny};
 
 use crate::example::model::check_file;
 
+/// Metres per frame: 3 m/s.
+const STEP: f32 = 0.05;
+/// Radians per frame: 60 degrees per second.
+const TURN: f32 = core::f32::consts::PI / 180.0;
+
 /// A camera at `position` that looks at `target`, in metres.
 #[derive(Deserialize, Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -18,6 +23,17 @@ pub struct View {
 impl View {
     pub fn transform(&self) -> Transform {
         Transform::from_translation(self.position.into()).looking_at(self.target.into(), Vec3::Y)
+    }
+
+    /// The camera after `frames` of a walk that turns to the left, at 60 frames per second.
+    pub fn walked(&self, frames: usize) -> Transform {
+        let mut camera = self.transform();
+        for _ in 0..frames {
+            let step = camera.forward() * STEP;
+            camera.translation += step;
+            camera.rotate_y(TURN);
+        }
+        camera
     }
 
     pub(super) fn of(transform: &Transform) -> Self {
@@ -124,6 +140,20 @@ mod tests {
         assert_eq!(evenly_spread(2, 5), [0, 1]);
         assert_eq!(evenly_spread(0, 3), [0; 0]);
         assert_eq!(evenly_spread(4, 0), [0; 0]);
+    }
+
+    #[test]
+    fn a_walk_turns_left() {
+        let view = View {
+            position: [0.0; 3],
+            target: [0.0, 0.0, -1.0],
+        };
+        let camera = view.walked(90);
+        assert!(camera.forward().abs_diff_eq(Vec3::NEG_X, 1e-4));
+        // A quarter of a circle of radius STEP / TURN.
+        let radius = STEP / TURN;
+        let corner = Vec3::new(-radius, 0.0, -radius);
+        assert!(camera.translation.abs_diff_eq(corner, 0.1));
     }
 
     #[test]

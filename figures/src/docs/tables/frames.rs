@@ -27,6 +27,10 @@ pub fn frame_times(store: &Store) -> Table {
     figures.table(measured.filter(|m| !without.contains(&m.contender.as_str())))
 }
 
+pub fn levels(store: &Store) -> Table {
+    store.levels("llvmpipe").views()
+}
+
 pub fn many_meshes(store: &Store) -> Table {
     store.many_meshes("h200").table(|times| times.render_world)
 }

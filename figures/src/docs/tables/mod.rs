@@ -13,6 +13,7 @@ use crate::{store::Store, table::Table};
 pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("summary", summary::summary),
     ("frame times", frames::frame_times),
+    ("levels", frames::levels),
     ("many meshes", frames::many_meshes),
     ("light scaling", frames::light_scaling),
     ("light culling", frames::light_culling),
