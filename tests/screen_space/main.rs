@@ -9,6 +9,7 @@ mod film;
 mod fog;
 mod hard_cases;
 mod hostile;
+mod lamps;
 mod mirror_images;
 mod mirrors;
 mod motion;

@@ -107,6 +107,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "receiver.wgsl");
         load_shader_library!(app, "smooth_light.wgsl");
         load_shader_library!(app, "rough_light.wgsl");
+        load_shader_library!(app, "lobes.wgsl");
         embedded_asset!(app, "hi_z.wgsl");
         embedded_asset!(app, "trace.wgsl");
         embedded_asset!(app, "spatial_filter.wgsl");
