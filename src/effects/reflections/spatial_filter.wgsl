@@ -17,7 +17,7 @@
 
 /// Radius at which weights are 0, as a share of the lobe's, and its bounds in texels.
 const OF_LOBE: f32 = 0.7;
-const SMALLEST: f32 = 2.0;
+const SMALLEST: f32 = 3.0;
 const LARGEST: f32 = f32(RIM + 1);
 
 /// Mean distance to the mirror images that the rays around a texel hit; 0 without any.
