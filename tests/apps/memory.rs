@@ -226,11 +226,11 @@ fn nothing_of_effects_is_made_anew() {
             ]
         };
         let first = groups();
-        // GI has two of each, as this frame's levels are the next one's history, and makes occlusion unnecessary. Bevy has two main
-        // textures. Scattering has one per dispatch, and two for the last.
+        // GI and reflections have two of each, as this frame's levels and lobes are the next one's history. GI makes occlusion
+        // unnecessary. Bevy has two main textures. Scattering has one per dispatch, and two for the last.
         let scattering = if has_room { 7 } else { 0 };
         let expected = if lean {
-            [0, 6, 4, 3, scattering]
+            [0, 6, 8, 3, scattering]
         } else {
             [2, 0, 0, 0, 0]
         };

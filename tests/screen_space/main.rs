@@ -10,6 +10,7 @@ mod fog;
 mod forward_mirrors;
 mod hard_cases;
 mod hostile;
+mod lamps;
 mod mirror_images;
 mod mirrors;
 mod motion;

@@ -97,12 +97,13 @@ fn there_is_no_trail_without_motion_vectors() {
 fn check_trails(motion: bool) {
     let mut headless = Headless::new(SMALL);
     type Make<'a> = &'a dyn Fn(&mut Headless, bool);
-    // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept.
+    // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept, and shows the mean
+    // of four frames.
     let make: [(&str, f32, Make); 3] = [
         ("mirror", 0.5, &|headless, motion| {
             moving_box(headless, motion, metal(0.0), reflections());
         }),
-        ("rough", 2.2, &|headless, motion| {
+        ("rough", 5.2, &|headless, motion| {
             moving_box(headless, motion, metal(0.3), reflections());
         }),
         ("diffuse", 0.5, &|headless, motion| {

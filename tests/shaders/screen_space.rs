@@ -48,7 +48,11 @@ fn reflections_compose() {
     let divisors: &[&str] = &["DIVISOR=1", "DIVISOR=2", "DIVISOR=4"];
     check!("reflections/hi_z.wgsl", &[], &[&PROJECTIONS]);
     check!("reflections/trace.wgsl", &[], &[&PROJECTIONS]);
-    check!("reflections/spatial_filter.wgsl", &["SPATIAL_FILTER"], &[]);
+    check!(
+        "reflections/spatial_filter.wgsl",
+        &["SPATIAL_FILTER"],
+        &[&PROJECTIONS]
+    );
     check!("reflections/resolve.wgsl", &[], &[divisors, &PROJECTIONS]);
 }
 

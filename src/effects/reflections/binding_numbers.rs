@@ -23,4 +23,6 @@ binding_numbers! {
     FILTERED_TEXTURE = 17,
     FILTERED_OUTPUT = 18,
     OUTPUT_TEXTURE = 19,
+    LOBES_TEXTURE = 20,
+    LOBES_OUTPUT = 21,
 }

@@ -18,7 +18,7 @@
 /// Nearest and furthest depth of cells of pixels, packed.
 @group(0) @binding(9) var hi_z_texture: texture_2d<u32>;
 @group(0) @binding(10) var hi_z_output: texture_storage_2d<r32uint, write>;
-/// Surface of each texel: its normal word, as in the G-buffer, and its depth; 0 without a ray.
+/// Surface of each texel: its normal word, as in the G-buffer, and its depth, packed by `pack_begin`; 0 without a ray.
 @group(0) @binding(11) var surfaces_texture: texture_2d<u32>;
 @group(0) @binding(12) var surfaces_output: texture_storage_2d<rg32uint, write>;
 /// Result of each ray: light and confidence, and its hit, packed by `pack_hit`.
@@ -30,6 +30,9 @@
 @group(0) @binding(17) var filtered_texture: texture_2d<f32>;
 @group(0) @binding(18) var filtered_output: texture_storage_2d<rgba16float, write>;
 @group(0) @binding(19) var output_texture: texture_storage_2d<rgba16float, write>;
+/// Lobes that the last frames made at each texel, packed by `pack_lobes`.
+@group(0) @binding(20) var lobes_texture: texture_2d<u32>;
+@group(0) @binding(21) var lobes_output: texture_storage_2d<rgba32uint, write>;
 
 /// View-space position of a point of the picture, in pixels.
 fn view_position(at: vec2<f32>, depth: f32) -> vec3<f32> {
@@ -77,6 +80,22 @@ fn behind(depth: f32) -> f32 {
 fn depth_in_view(pixel: vec2<i32>) -> f32 {
     let inside = clamp(pixel, vec2(0), vec2<i32>(view.viewport_size) - 1);
     return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + inside, 0);
+}
+
+/// Pixel `i` of the four that a texel's ray may start at: in 2×2 all of them, in 4×4 one of each row and column.
+fn place_in_texel(i: i32) -> vec2<i32> {
+    let bits = vec2(i & 1, i >> 1u);
+    return select(bits, vec2(i, 2 * bits.x + bits.y), view.divisor == 4);
+}
+
+/// Packs the depth at which a ray starts, and in its last bits, the number of its pixel: see `place_in_texel`.
+fn pack_begin(depth: f32, i: i32) -> u32 {
+    return (bitcast<u32>(depth) & ~3u) | u32(i);
+}
+
+/// Pixel at which a texel's ray starts.
+fn unpack_begin(texel: vec2<i32>, word: u32) -> vec2<i32> {
+    return min(texel * view.divisor + place_in_texel(i32(word & 3u)), vec2<i32>(view.viewport_size) - 1);
 }
 
 /// Packs a hit: the distance to its mirror image, seen straight through the mirror, in metres (0: miss), and in the lower bits the

@@ -6,7 +6,7 @@
 //! 1. *hi-z* stores the nearest and the furthest depth of each cell of pixels.
 //! 2. *trace* traces a ray from each texel, in one of sixteen directions of the GGX lobe, which a block of 4×4 texels shares. Rays of
 //!    smooth surfaces step from cell to cell and then from pixel to pixel; those of rough ones step in segments that grow with distance.
-//! 3. *spatial filter* averages the rays around each texel.
+//! 3. *spatial filter* averages the rays around each texel, and for rough surfaces the lobes of four frames.
 //! 4. *resolve* computes the reflection of each pixel from the rays or lobes around it.
 //!
 //! Lighting shows the result in the place of environment maps, probes and ambient light, with the same Fresnel and roughness terms. GPU
@@ -26,6 +26,7 @@
 // - `ray.wgsl`: a ray on screen, and its hits.
 // - `smooth_march.wgsl`, `rough_march.wgsl`: the steps of rays of smooth and of rough surfaces.
 // - `spatial_filter.wgsl`: the third pass.
+// - `lobes.wgsl`: the lobes of the last frames.
 // - `resolve.wgsl`: the fourth pass.
 // - `receiver.wgsl`: the pixel that is resolved.
 // - `smooth_light.wgsl`, `rough_light.wgsl`: reflections of smooth and of rough surfaces.
@@ -108,6 +109,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
         load_shader_library!(app, "receiver.wgsl");
         load_shader_library!(app, "smooth_light.wgsl");
         load_shader_library!(app, "rough_light.wgsl");
+        load_shader_library!(app, "lobes.wgsl");
         embedded_asset!(app, "hi_z.wgsl");
         embedded_asset!(app, "trace.wgsl");
         embedded_asset!(app, "spatial_filter.wgsl");

@@ -42,7 +42,7 @@ pub(super) fn find_reflections(
     if !lean.io.contains(LightingIo::INDIRECT_SPECULAR) {
         return;
     }
-    let (groups, workgroups) = (bindings.groups(), held.workgroups());
+    let (groups, workgroups) = (bindings.groups(held.written()), held.workgroups());
     let offsets = slice::from_ref(&held.offset);
     let dispatches: [_; PASSES.len()] = pipelines.dispatches(&cache, active.key, |pass| {
         (groups[pass], offsets, workgroups[pass])

@@ -15,9 +15,9 @@ use bevy::{
 use super::{
     binding_numbers::{
         DEPTH_SAMPLER, DEPTH_TEXTURE, FILTERED_OUTPUT, FILTERED_TEXTURE, HI_Z_OUTPUT, HI_Z_TEXTURE,
-        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE,
-        NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
-        SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
+        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
+        SPECIALIZATION_TEXTURE, SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
     },
     key::ReflectionKey,
     uniforms::ReflectionUniform,
@@ -32,6 +32,9 @@ pub(super) const LIGHT_FORMAT: TextureFormat = TextureFormat::Rgba16Float;
 pub(super) const SURFACES_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 /// Format of the rays' hits.
 pub(super) const HITS_FORMAT: TextureFormat = TextureFormat::R32Uint;
+
+/// Format of the lobes of the last frames.
+pub(super) const LOBES_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 /// The passes, in order.
 pub const PASSES: [ComputePass; 4] = [
@@ -68,9 +71,17 @@ pub const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "spatial_filter.wgsl"),
         entry: "main",
         defs: &["SPATIAL_FILTER"],
-        key_defs: &[],
-        reads: &[VIEW, SURFACES_TEXTURE, RAYS_TEXTURE, HITS_TEXTURE],
-        writes: &[FILTERED_OUTPUT],
+        key_defs: &["PROJECTION_ORTHOGRAPHIC"],
+        reads: &[
+            VIEW,
+            MOTION_TEXTURE,
+            HISTORY_TEXTURE,
+            SURFACES_TEXTURE,
+            RAYS_TEXTURE,
+            HITS_TEXTURE,
+            LOBES_TEXTURE,
+        ],
+        writes: &[FILTERED_OUTPUT, LOBES_OUTPUT],
     },
     ComputePass {
         label: "lean_deferred/effects/reflections/resolve",
@@ -123,10 +134,11 @@ fn binding_kind(binding: u32) -> Option<BindGroupLayoutEntryBuilder> {
         MOTION_TEXTURE => floats(false),
         HISTORY_TEXTURE => floats(true),
         HISTORY_SAMPLER => sampler(SamplerBindingType::Filtering),
-        HI_Z_TEXTURE | SURFACES_TEXTURE | HITS_TEXTURE => words,
+        HI_Z_TEXTURE | SURFACES_TEXTURE | HITS_TEXTURE | LOBES_TEXTURE => words,
         HI_Z_OUTPUT => stored(HI_Z_FORMAT),
         SURFACES_OUTPUT => stored(SURFACES_FORMAT),
         HITS_OUTPUT => stored(HITS_FORMAT),
+        LOBES_OUTPUT => stored(LOBES_FORMAT),
         RAYS_TEXTURE | FILTERED_TEXTURE => floats(false),
         RAYS_OUTPUT | FILTERED_OUTPUT | OUTPUT_TEXTURE => stored(LIGHT_FORMAT),
         _ => return None,

@@ -19,13 +19,14 @@ use super::{
     active::ActiveReflections,
     binding_numbers::{
         DEPTH_SAMPLER, DEPTH_TEXTURE, FILTERED_OUTPUT, FILTERED_TEXTURE, HI_Z_OUTPUT, HI_Z_TEXTURE,
-        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, MOTION_TEXTURE,
-        NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE, SPECIALIZATION_TEXTURE,
-        SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
+        HISTORY_SAMPLER, HISTORY_TEXTURE, HITS_OUTPUT, HITS_TEXTURE, LOBES_OUTPUT, LOBES_TEXTURE,
+        MOTION_TEXTURE, NORMAL_TEXTURE, OUTPUT_TEXTURE, RAYS_OUTPUT, RAYS_TEXTURE,
+        SPECIALIZATION_TEXTURE, SURFACES_OUTPUT, SURFACES_TEXTURE, VALID_MASK_TEXTURE, VIEW,
     },
     fixtures::ReflectionFixtures,
     pipelines::{
-        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, PASSES, ReflectionPipelines, SURFACES_FORMAT,
+        HI_Z_FORMAT, HITS_FORMAT, LIGHT_FORMAT, LOBES_FORMAT, PASSES, ReflectionPipelines,
+        SURFACES_FORMAT,
     },
     uniforms::ReflectionUniform,
 };
@@ -49,6 +50,8 @@ use crate::{
 const LARGEST_CELL: u32 = 64;
 /// Side of a workgroup, in texels when it writes lobes, and in pixels when it resolves. Same value as in `texels.wgsl`.
 pub const WORKGROUP_SIDE: u32 = 16;
+/// Frames in which the rays of rough surfaces take all of their directions. Same value as in `lobes.wgsl`.
+const PHASES: u32 = 4;
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
@@ -62,11 +65,15 @@ pub struct ViewReflections {
     rays: StorageTexture,
     hits: StorageTexture,
     filtered: StorageTexture,
+    /// This frame's, and the last one's, in turns.
+    lobes: [StorageTexture; 2],
     output: StorageTexture,
     growing: GrowingSize,
     /// Size of `output`. Other textures follow from it, and from the side of their texels.
     allocated: UVec2,
     divisor: u32,
+    /// Number of the frame in which the view has these textures.
+    phase: u32,
     viewport_size: UVec2,
     texture_size: UVec2,
     /// Motion vectors reproject moving meshes; otherwise only the camera's motion is known.
@@ -104,6 +111,13 @@ impl ViewReflections {
                 texels,
                 LIGHT_FORMAT,
             ),
+            lobes: [(); 2].map(|()| {
+                texture(
+                    "lean_deferred/effects/reflections/lobes",
+                    texels,
+                    LOBES_FORMAT,
+                )
+            }),
             output: texture(
                 "lean_deferred/effects/reflections/output",
                 allocated,
@@ -112,6 +126,7 @@ impl ViewReflections {
             growing: default(),
             allocated,
             divisor,
+            phase: 0,
             viewport_size: UVec2::ZERO,
             texture_size: UVec2::ZERO,
             has_motion: false,
@@ -128,6 +143,11 @@ impl ViewReflections {
             of(self.texture_size),
             of(self.viewport_size),
         ]
+    }
+
+    /// Index of the texture of lobes that this frame writes.
+    pub(super) fn written(&self) -> usize {
+        (self.phase % 2) as usize
     }
 
     pub(super) fn bytes(&self) -> u64 {
@@ -150,6 +170,7 @@ impl ViewReflections {
             &self.output,
         ]
         .into_iter()
+        .chain(&self.lobes)
         .map(|held| &held.texture)
     }
 }
@@ -213,7 +234,12 @@ pub(super) fn prepare_reflections(
         let allocated = growing.fit(size, largest, false);
         let fits = |held: &ViewReflections| (held.allocated, held.divisor) == (allocated, divisor);
         let reflections = match reflections {
-            Some(held) if fits(&held) => held.into_inner(),
+            Some(held) if fits(&held) => {
+                let held = held.into_inner();
+                held.phase = held.phase.wrapping_add(1);
+                uniform.has_lobes = history.last().is_some().into();
+                held
+            }
             _ => {
                 let label = "lean_deferred/effects/reflections";
                 let make = |size| ViewReflections::new(&device, size, divisor);
@@ -227,6 +253,7 @@ pub(super) fn prepare_reflections(
             }
         };
         uniform.has_motion = has_motion.into();
+        uniform.phase = reflections.phase % PHASES;
         reflections.growing = growing;
         reflections.viewport_size = size;
         reflections.texture_size = uniform.texture_size;
@@ -246,19 +273,19 @@ pub(super) fn prepare_reflections(
     }
 }
 
-/// On a view with reflections: the bind groups of its passes.
+/// On a view with reflections: the bind groups of its passes, for frames that write either texture of lobes.
 #[derive(Component, Default)]
-pub struct ReflectionBindings([CachedBindGroup; PASSES.len()]);
+pub struct ReflectionBindings([[CachedBindGroup; PASSES.len()]; 2]);
 
 impl ReflectionBindings {
-    /// Bind groups in the order of the passes.
-    pub(super) fn groups(&self) -> [Option<&BindGroup>; PASSES.len()] {
-        self.0.each_ref().map(CachedBindGroup::get)
+    /// Bind groups in the order of the passes, for a frame that writes texture `written` of lobes.
+    pub(super) fn groups(&self, written: usize) -> [Option<&BindGroup>; PASSES.len()] {
+        self.0[written].each_ref().map(CachedBindGroup::get)
     }
 
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        self.groups().into_iter().flatten()
+        self.0.iter().flatten().filter_map(CachedBindGroup::get)
     }
 }
 
@@ -288,6 +315,7 @@ pub(super) fn prepare_reflection_bind_groups(
             None => made.insert(ReflectionBindings::default()),
         };
         let special = gbuffer.optional(GBufferTargets::SPECIALIZATION);
+        let written = held.written();
         let valid_mask = special.and(gbuffer.valid_mask.as_ref());
         let resource = |binding: u32| {
             let view = match binding {
@@ -308,12 +336,14 @@ pub(super) fn prepare_reflection_bind_groups(
                 RAYS_TEXTURE | RAYS_OUTPUT => &held.rays.view,
                 HITS_TEXTURE | HITS_OUTPUT => &held.hits.view,
                 FILTERED_TEXTURE | FILTERED_OUTPUT => &held.filtered.view,
+                LOBES_TEXTURE => &held.lobes[1 - written].view,
+                LOBES_OUTPUT => &held.lobes[written].view,
                 OUTPUT_TEXTURE => &held.output.view,
                 _ => return None,
             };
             Some(view.into_binding())
         };
-        for (group, layout) in bindings.0.iter_mut().zip(pipelines.layouts()) {
+        for (group, layout) in bindings.0[written].iter_mut().zip(pipelines.layouts()) {
             group.bind(&device, layout, resource);
         }
         if let Some(made) = made {

@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::effects::reflections::receiver::{Receiver, likeness_beside, width_at}
 #import bevy_lean_deferred::effects::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
 #import bevy_lean_deferred::effects::reflections::smooth_light::smooth_light
-#import bevy_lean_deferred::effects::reflections::surface::{mirror_of, normal_word_at, smoothness}
+#import bevy_lean_deferred::effects::reflections::surface::{ROUGH, mirror_of, normal_word_at, smoothness}
 #import bevy_lean_deferred::effects::reflections::texels::{
     CACHE_SIDE, DIVISOR, FIRST_MADE, INVOCATIONS, WORKGROUP_SIDE, inverse_step_at, keep, slope_at, texel_at,
 }
@@ -42,7 +42,11 @@ fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
         receiver.alike[i] = likeness_beside(receiver, first, i, along);
     }
     let alpha = mirror.roughness * mirror.roughness;
-    let radius = alpha * width_at(first, view_position(receiver.at, depth));
+    // Single rays of rough surfaces change from frame to frame: only their mean is shown.
+    var radius = 2.0 * ROUGH_FROM;
+    if mirror.roughness <= ROUGH {
+        radius = alpha * width_at(first, view_position(receiver.at, depth));
+    }
     var roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
     var light = vec4(0.0);
     if roughness < 1.0 {

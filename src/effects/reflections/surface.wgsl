@@ -18,6 +18,10 @@ struct Mirror {
     roughness: f32,
 }
 
+/// Perceptual roughness above which rays march in segments from the start, and lobes are the mean of several frames: between two
+/// values of the G-buffer, so that rounding makes no difference.
+const ROUGH: f32 = 51.5 / 255.0;
+
 /// Above any roughness.
 const NO_MIRROR: f32 = 2.0;
 
@@ -27,6 +31,11 @@ const DEEP_PER_PIXEL: f32 = 0.125;
 
 fn normal_word_at(pixel: vec2<i32>) -> u32 {
     return textureLoad(normal_texture, vec2<i32>(view.viewport_origin) + pixel, 0).r;
+}
+
+/// `word` with the roughness of a mirror, which may be that of a coat.
+fn with_roughness(word: u32, roughness: f32) -> u32 {
+    return (word & 0xffffffu) | (u32(saturate(roughness) * 255.0 + 0.5) << 24u);
 }
 
 /// Mirror at a pixel whose normal word has been read already.
@@ -111,9 +120,18 @@ fn kept_light(at: vec2<f32>, at_rest: f32, with_view: f32, metres: f32, level: f
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
 
-/// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
-/// which that frame showed it. `level` is that of the history.
-fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
+/// Place of a surface in the last frame.
+struct LastPlace {
+    /// In pixels of that frame.
+    at: vec2<f32>,
+    /// Its distances, if it was at rest and if it moved with the camera.
+    expected: vec2<f32>,
+    /// Metres within which it is the same surface.
+    tolerance: f32,
+}
+
+/// Place in the last frame of the surface at `place` (pixels and depth) and `position` (view space).
+fn last_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
     let last = view.last_pixel_from_view * vec4(position, 1.0);
     // Not behind the camera, nor NaN.
     let was_in_front = last.w > 0.0;
@@ -135,8 +153,17 @@ fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
         metres = step_at(distance, SAME_SURFACE + own) + 0.5 * view.thickness;
     }
     // At rest, surfaces that were behind the camera are outside of the view: `at` is negative.
-    var light = kept_light(at, expected.x, expected.y, metres, level);
+    return LastPlace(at, expected, metres);
+}
+
+/// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
+/// which that frame showed it. `level` is that of the history.
+fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
+    let last = last_place(place, position);
+    var light = kept_light(last.at, last.expected.x, last.expected.y, last.tolerance, level);
     if view.has_motion == 0u && view.carries_surfaces != 0u && light.w < 1.0 {
+        let with_view = place.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
+        let distance = -position.z;
         light = filled_up(light, kept_light(with_view, distance, distance, step_at(distance, SAME_SURFACE), level));
     }
     return light;

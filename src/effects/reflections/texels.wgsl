@@ -2,7 +2,7 @@
 // or those around the pixels that it resolves.
 #define_import_path bevy_lean_deferred::effects::reflections::texels
 
-#import bevy_lean_deferred::gbuffer::layout::{light::{pack_halves, unpack_halves}, unpack_normal}
+#import bevy_lean_deferred::gbuffer::layout::{light::{pack_halves, unpack_halves}, unpack_normal, unpack_roughness}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::reflections::bindings::{
     edge_step, hits_texture, rays_texture, surfaces_texture, view,
@@ -15,7 +15,7 @@ const WORKGROUP_SIDE: i32 = 16;
 /// Side in texels of the lobes.
 const MADE: i32 = WORKGROUP_SIDE;
 /// Border of texels that are read too: the radius of a lobe's kernel.
-const RIM: i32 = 2;
+const RIM: i32 = 3;
 const INVOCATIONS: i32 = 256;
 #else
 /// Side of a texel in pixels.
@@ -33,7 +33,7 @@ const FIRST_MADE: i32 = RIM * (1 + CACHE_SIDE);
 
 /// Light times confidence, and confidence, in half floats: less memory lets more workgroups run at once.
 var<workgroup> lights: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
-/// Normals in half floats, and depths; 0 without a ray.
+/// Normals and roughnesses in half floats, and depths, as packed by `pack_begin`; 0 without a ray.
 var<workgroup> normals: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
 var<workgroup> depths: array<f32, CACHE_SIDE * CACHE_SIDE>;
 /// Packed by `pack_hit`; 0 without a ray.
@@ -70,7 +70,8 @@ fn keep(read: i32, known: Texel) -> bool {
     let light = vec4(known.light.rgb * known.light.a, known.light.a);
     lights[read] = select(vec2(0u), pack_halves(light), counts);
     hits[read] = select(0u, known.hit, counts);
-    normals[read] = select(vec2(0u), pack_halves(vec4(unpack_normal(known.surface.x), 0.0)), counts);
+    let normal = vec4(unpack_normal(known.surface.x), unpack_roughness(known.surface.x));
+    normals[read] = select(vec2(0u), pack_halves(normal), counts);
     depths[read] = select(0.0, bitcast<f32>(known.surface.y), counts);
     return counts;
 }

@@ -5,21 +5,20 @@
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::rotation_index
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    depth_in_view, hits_output, pack_hit, rays_output, surfaces_output, to_viewer, view, view_position,
+    depth_in_view, hits_output, pack_begin, pack_hit, place_in_texel, rays_output, surfaces_output, to_viewer, view, view_position,
 }
+#import bevy_lean_deferred::effects::reflections::lobes::shift_of
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
 #import bevy_lean_deferred::effects::reflections::smooth_march
-#import bevy_lean_deferred::effects::reflections::surface::{Mirror, mirror_of, normal_word_at, rotated, smoothness}
+#import bevy_lean_deferred::effects::reflections::surface::{
+    Mirror, ROUGH, mirror_of, normal_word_at, rotated, smoothness, with_roughness,
+}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
 const RAYS: u32 = 16u;
-
-/// Perceptual roughness above which rays march in segments from the start: between two values of the G-buffer, so that rounding
-/// makes no difference.
-const ROUGH: f32 = 51.5 / 255.0;
 
 /// Least growth of a ray's segments with its length, so that most rays leave the picture before their segments are used up.
 const LEAST_GROWTH: f32 = 0.03;
@@ -37,22 +36,16 @@ struct TraceResult {
     hit: u32,
 }
 
-/// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems").
-fn numbers_of(ray: u32) -> vec2<f32> {
+/// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems"), shifted.
+fn numbers_of(ray: u32, shift: vec2<f32>) -> vec2<f32> {
     let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
-    return fract(pair + view.turn * vec2(1.0, 0.754877));
+    return fract(pair + shift + view.turn * vec2(1.0, 0.754877));
 }
 
 /// Fade towards the edge of the picture: 1 from `view.edge_fade` pixels on.
 fn rim_fade(at: vec2<f32>) -> f32 {
     let room = min(at, vec2<f32>(view.viewport_size) - at);
     return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
-}
-
-/// Pixel `i` of the four that a texel's ray may start at: in 2×2 all of them, in 4×4 one of each row and column.
-fn place_in_texel(i: i32) -> vec2<i32> {
-    let bits = vec2(i & 1, i >> 1u);
-    return select(bits, vec2(i, 2 * bits.x + bits.y), view.divisor == 4);
 }
 
 /// True for a surface with a mirror of some smoothness.
@@ -71,7 +64,9 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     var depth = depth_in_view(pixel);
     var word = normal_word_at(pixel);
     var mirror = mirror_of(pixel, word);
+    var begins_at = 0;
     for (var i = 1; i < 4 && view.divisor > 1 && !reflects(depth, mirror); i++) {
+        begins_at = i;
         pixel = min(first + place_in_texel(i), vec2<i32>(view.viewport_size) - 1);
         depth = depth_in_view(pixel);
         word = normal_word_at(pixel);
@@ -82,7 +77,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     }
     let start = vec3(vec2<f32>(pixel) + 0.5, depth);
     let is_rough = mirror.roughness > ROUGH;
-    result.surface = vec2(word, bitcast<u32>(depth));
+    result.surface = vec2(with_roughness(word, mirror.roughness), pack_begin(depth, begins_at));
     let turn = rotation_index(vec2<u32>(texel) & vec2(3u));
     let position = view_position(start.xy, depth);
     let V = to_viewer(position);
@@ -91,7 +86,9 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     // Shading normals may lean away from the viewer.
     let local = vec3(V * basis, max(dot(V, normal), 1e-3));
     let alpha = mirror.roughness * mirror.roughness;
-    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn));
+    // Smooth surfaces show single rays, which must not change from frame to frame.
+    let shift = select(vec2(0.0), shift_of(view.phase), is_rough);
+    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn, shift));
     result.hit = pack_hit(0.0, sample.weight);
     if sample.weight == 0.0 {
         return result;

@@ -58,6 +58,10 @@ struct ReflectionUniform {
     exposure_ratio: f32,
     /// Temporal part of the pattern, 0 to 1; 0 without TAA.
     turn: f32,
+    /// Quarter of the directions that the rays of rough surfaces take in this frame, 0 to 3.
+    phase: u32,
+    /// 1 if `lobes_texture` has lobes of the last frame.
+    has_lobes: u32,
     /// 1 if `motion_texture` has the motion of each pixel. Not a shader definition: motion is toggled with effects that average
     /// frames, and compiling shaders would leave the view without reflections meanwhile.
     has_motion: u32,
