@@ -11,9 +11,12 @@
 
 const ALBEDO_MAX: f32 = 127.0;
 const METALLIC_MAX: f32 = 20.0;
-const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion for each code of metallic.
-const OCCLUSION_CODES: u32 = 24u;
+/// Codes of occlusion for a metallic of 0, and for 1.
+const PURE_CODES: u32 = 104u;
+/// Codes of occlusion for each other metallic.
+const MIXED_CODES: u32 = 16u;
+/// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
+const FIRST_MIXED: u32 = 208u;
 /// Bit of word 0.
 const MESH_NORMAL_BIT: u32 = 0x80000000u;
 const ROUGHNESS_MAX: f32 = 255.0;
@@ -89,6 +92,15 @@ fn albedo_scale(exponent: u32) -> f32 {
     return f32(1u << (4u * exponent));
 }
 
+/// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
+fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
+    let m = quantize(metallic, METALLIC_MAX);
+    if m > 0u && m < u32(METALLIC_MAX) {
+        return FIRST_MIXED + (m - 1u) * MIXED_CODES + quantize(occlusion, f32(MIXED_CODES - 1u));
+    }
+    return select(0u, PURE_CODES, m > 0u) + quantize(occlusion, f32(PURE_CODES - 1u));
+}
+
 /// Packs word 0. A colour with a NaN becomes black.
 fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_normal: bool) -> u32 {
     // One test for three: a NaN channel makes the sum NaN. The result must not depend on which one `max` drops.
@@ -96,9 +108,8 @@ fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_norma
     let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
     let exponent = albedo_exponent(valid);
     let rgb = vec3<u32>(sqrt(valid * albedo_scale(exponent)) * ALBEDO_MAX + 0.5);
-    let m = quantize(metallic, METALLIC_MAX);
-    let o = quantize(occlusion, OCCLUSION_MAX);
-    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u) | ((m * OCCLUSION_CODES + o) << 22u)
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u)
+        | (pack_metallic_and_occlusion(metallic, occlusion) << 22u)
         | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
 }
 
@@ -108,18 +119,25 @@ fn unpack_albedo(word: u32) -> vec3<f32> {
     return root * root / albedo_scale((word >> 21u) & 1u);
 }
 
-/// Code of metallic times `OCCLUSION_CODES`, plus that of occlusion.
+/// Code of `pack_metallic_and_occlusion`.
 fn metallic_and_occlusion(word: u32) -> u32 {
     return (word >> 22u) & 0x1ffu;
 }
 
 fn unpack_metallic(word: u32) -> f32 {
-    // Words that were never packed may hold a larger code.
-    return min(f32(metallic_and_occlusion(word) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
+    let code = metallic_and_occlusion(word);
+    if code < FIRST_MIXED {
+        return f32(code >= PURE_CODES);
+    }
+    return f32((code - FIRST_MIXED) / MIXED_CODES + 1u) / METALLIC_MAX;
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
-    return f32(metallic_and_occlusion(word) % OCCLUSION_CODES) / OCCLUSION_MAX;
+    let code = metallic_and_occlusion(word);
+    if code < FIRST_MIXED {
+        return f32(code % PURE_CODES) / f32(PURE_CODES - 1u);
+    }
+    return f32((code - FIRST_MIXED) % MIXED_CODES) / f32(MIXED_CODES - 1u);
 }
 
 /// True if the shading normal is that of the mesh.
