@@ -19,11 +19,11 @@ const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 const FIELDS: usize = 10;
 /// Largest codes of an albedo channel, of its exponent, of metallic, and of metallic and occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
-const EXPONENT_MAX: u32 = 1;
-/// The largest code of a channel of albedo up to 1/16, with exponent 0.
-const DARK_CODE_MAX: u32 = 31;
+const EXPONENT_MAX: u32 = 2;
+/// The largest code of a channel of albedo that has a larger exponent.
+const DARK_CODE_MAX: u32 = 63;
 const METALLIC_CODE_MAX: u32 = 20;
-const METALLIC_AND_OCCLUSION_MAX: u32 = 511;
+const METALLIC_AND_OCCLUSION_MAX: u32 = 339;
 /// Largest code of an octahedral axis; the least is 1.
 const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
 /// Largest difference between device and twin in a decoded value: their `pow` and `normalize` round differently.
@@ -100,20 +100,22 @@ fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic_and_occlusion: u32)
     let exponent = if is_dark { EXPONENT_MAX } else { exponent };
     // Every other code of red marks the mesh's normal.
     let flag = r % 2;
-    r | (g << 7) | (b << 14) | (exponent << 21) | (metallic_and_occlusion << 22) | (flag << 31)
+    let rest = exponent * (METALLIC_AND_OCCLUSION_MAX + 1) + metallic_and_occlusion;
+    r | (g << 7) | (b << 14) | (rest << 21) | (flag << 31)
 }
 
 /// Codes of a surface word: three of albedo, its exponent, metallic, occlusion, and the flag of the mesh's normal.
 fn surface_codes(word: u32) -> [u32; 7] {
-    let (metallic, occlusion) = match (word >> 22) & 0x1ff {
-        code @ 208.. => ((code - 208) / 16 + 1, (code - 208) % 16),
-        code => (code / 104 * METALLIC_CODE_MAX, code % 104),
+    let rest = (word >> 21) & 0x3ff;
+    let (metallic, occlusion) = match rest % (METALLIC_AND_OCCLUSION_MAX + 1) {
+        code @ 112.. => ((code - 112) / 12 + 1, (code - 112) % 12),
+        code => (code / 56 * METALLIC_CODE_MAX, code % 56),
     };
     [
         word & 0x7f,
         (word >> 7) & 0x7f,
         (word >> 14) & 0x7f,
-        (word >> 21) & 1,
+        rest / (METALLIC_AND_OCCLUSION_MAX + 1),
         metallic,
         occlusion,
         word >> 31,
@@ -123,7 +125,7 @@ fn surface_codes(word: u32) -> [u32; 7] {
 /// Largest code of occlusion beside this code of metallic.
 fn occlusion_code_max(metallic: u32) -> u32 {
     if metallic % METALLIC_CODE_MAX == 0 {
-        103
+        55
     } else {
         15
     }
@@ -353,7 +355,7 @@ fn device_and_twin_pack_alike() {
     );
 }
 
-/// Black, white, a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
+/// Black, white, a 4th and a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
 #[test]
 fn common_values_are_exact() {
     let stored = |albedo: Vec3, metallic, occlusion| {
@@ -364,7 +366,7 @@ fn common_values_are_exact() {
             layout::unpack_occlusion(word),
         )
     };
-    for albedo in [0.0, 1.0, 0.0625] {
+    for albedo in [0.0, 1.0, 0.25, 0.0625] {
         for channels in [Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z] {
             let albedo = albedo * channels;
             assert_eq!(stored(albedo, 0.0, 1.0), (albedo, 0.0, 1.0));

@@ -59,7 +59,7 @@ pub const SCENES: &[Scene] = &[
             ..default()
         });
     })
-    .allow(43.0, "occlusion has 24 codes"),
+    .allow(43.0, "occlusion has 56 codes"),
     Scene::new("parallax_occlusion", |s| {
         parallax(s, ParallaxMappingMethod::Occlusion)
     })

@@ -13,11 +13,13 @@ pub const ALBEDO_MAX: f32 = 127.0;
 /// Largest code of metallic.
 pub const METALLIC_MAX: f32 = 20.0;
 /// Codes of occlusion for a metallic of 0, and for 1.
-pub const PURE_CODES: u32 = 104;
+pub const PURE_CODES: u32 = 56;
 /// Codes of occlusion for each other metallic.
-pub const MIXED_CODES: u32 = 16;
+pub const MIXED_CODES: u32 = 12;
 /// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
-pub const FIRST_MIXED: u32 = 208;
+pub const FIRST_MIXED: u32 = 112;
+/// Codes of metallic and occlusion for each exponent of albedo.
+pub const METALLIC_AND_OCCLUSION_CODES: u32 = 340;
 /// Flag in word 0: the shading normal is that of the mesh.
 pub const MESH_NORMAL_BIT: u32 = 1 << 31;
 /// Largest code of roughness.
@@ -52,15 +54,16 @@ pub struct Surface {
     pub has_mesh_normal: bool,
 }
 
-/// Shared exponent of the roots of `albedo`, 0 or 1. Decided on linear values: float comparisons agree with the device, square roots
+/// Shared exponent of the roots of `albedo`, 0 to 2. Decided on linear values: float comparisons agree with the device, square roots
 /// may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
-    u32::from(albedo.max_element() <= 0.0625)
+    let largest = albedo.max_element();
+    u32::from(largest <= 0.25) + u32::from(largest <= 0.0625)
 }
 
-/// Factor on albedo of this exponent: 1 or 16.
+/// Factor on albedo of this exponent: 1, 4 or 16.
 pub fn albedo_scale(exponent: u32) -> f32 {
-    (1u32 << (4 * exponent)) as f32
+    (1u32 << (2 * exponent)) as f32
 }
 
 /// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
@@ -84,7 +87,8 @@ pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32, has_mesh_normal
     let scaled = (valid * albedo_scale(exponent)).to_array();
     let [r, g, b] = scaled.map(|x| (x.sqrt() * ALBEDO_MAX + 0.5) as u32);
     let mesh_normal = if has_mesh_normal { MESH_NORMAL_BIT } else { 0 };
-    let rest = (exponent << 21) | (pack_metallic_and_occlusion(metallic, occlusion) << 22);
+    let both = pack_metallic_and_occlusion(metallic, occlusion);
+    let rest = (exponent * METALLIC_AND_OCCLUSION_CODES + both) << 21;
     r | (g << 7) | (b << 14) | rest | mesh_normal
 }
 
@@ -96,12 +100,12 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
         ((word >> 14) & 0x7f) as f32,
     );
     let root = codes / ALBEDO_MAX;
-    root * root / albedo_scale((word >> 21) & 1)
+    root * root / albedo_scale(((word >> 21) & 0x3ff) / METALLIC_AND_OCCLUSION_CODES)
 }
 
 /// Code of [`pack_metallic_and_occlusion`].
 fn metallic_and_occlusion(word: u32) -> u32 {
-    (word >> 22) & 0x1ff
+    ((word >> 21) & 0x3ff) % METALLIC_AND_OCCLUSION_CODES
 }
 
 /// Metallic of word 0.
