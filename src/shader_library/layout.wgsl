@@ -52,7 +52,7 @@ struct Surface {
     /// World space, unit length.
     normal: vec3<f32>,
     perceptual_roughness: f32,
-    /// True if the shading normal is that of the mesh: no map turns it.
+    /// True if shadow bias follows the shading normal: no map turns it far from the mesh's.
     has_mesh_normal: bool,
 }
 

@@ -50,7 +50,7 @@ pub struct Surface {
     pub normal: Vec3,
     /// 0 to 1.
     pub perceptual_roughness: f32,
-    /// The shading normal is that of the mesh: no normal map changes it.
+    /// Shadow bias follows the shading normal: no normal map turns it far from the mesh's.
     pub has_mesh_normal: bool,
 }
 
