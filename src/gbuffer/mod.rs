@@ -2,7 +2,7 @@
 //!
 //! | target | format | bytes per pixel | contents | allocated |
 //! |---|---|---|---|---|
-//! | surface | `R32Uint` | 4 | albedo (square roots 7 + 7 + 7, exponent 1), metallic and occlusion (9), mesh-normal flag (1) | always |
+//! | surface | `R32Uint` | 4 | albedo (square roots 7 + 7 + 7), its exponent, metallic and occlusion (10), mesh-normal flag (1) | always |
 //! | normal | `R32Uint` | 4 | octahedral shading normal (12 + 12), perceptual roughness (8) | always |
 //! | valid mask | `R8Uint` | 1 | mask of the targets below that hold a word of this surface (4), lightmapped light in the first of them (2) | with any of them |
 //! | emissive | `R32Uint` | 4 | emitted or lightmapped light (9 + 9 + 9, shared exponent 5) | while a visible mesh writes it |

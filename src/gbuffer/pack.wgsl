@@ -104,13 +104,18 @@ fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
         alpha_discard((*pbr_input).material, (*pbr_input).material.base_color);
 }
 
-/// Cosine of the angle up to which normals count as the same.
-const SAME_NORMAL: f32 = 0.999;
+/// Distance of unit normals that count as the same: 2.6°.
+const SAME_NORMAL: f32 = 0.045;
+/// Normals from depth are chosen only where they are this much nearer: neighbours may be of other triangles.
+const PREFERENCE: f32 = 2.0;
 
-/// True if the shading normal is that of the mesh, or nearly so.
-fn has_mesh_normal(pbr: PbrInput) -> bool {
-    let n = pbr.world_normal;
-    return dot(pbr.N, n) >= SAME_NORMAL * length(n);
+/// True if the shading normal tells the mesh's better than depth does, which tells that of triangles.
+fn has_mesh_normal(pbr: PbrInput, in: VertexOutput) -> bool {
+    let n = normalize(pbr.world_normal);
+    let across = cross(dpdx(in.world_position.xyz), dpdy(in.world_position.xyz));
+    let triangle = across * inverseSqrt(max(dot(across, across), 1e-30));
+    let of_depth = length(n - select(triangle, -triangle, dot(triangle, n) < 0.0)) + length(fwidth(n));
+    return length(pbr.N - n) <= max(SAME_NORMAL, PREFERENCE * of_depth);
 }
 
 /// Packs the content of this pass's targets. From `pbr`: base colour, metallic, roughness, shading normal and occlusion; where
@@ -124,7 +129,7 @@ fn pack_pbr_input(pbr: PbrInput, in: VertexOutput) -> GBufferOutput {
         pbr.diffuse_occlusion.r,
         pbr.N,
         pbr.material.perceptual_roughness,
-        has_mesh_normal(pbr),
+        has_mesh_normal(pbr, in),
     ));
     out.surface = words.x;
     out.normal = words.y;

@@ -2,7 +2,7 @@
 //!
 //! | word | target | bits, low to high |
 //! |---|---|---|
-//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (roots), shared exponent 1, metallic (21 codes) and occlusion (24) 9, mesh normal 1 |
+//! | 0 | [`SURFACE_FORMAT`] | albedo R 7, G 7, B 7 (roots); their exponent (3 codes), metallic and occlusion (340) 10; mesh normal 1 |
 //! | 1 | [`NORMAL_FORMAT`] | octahedral normal 12 + 12 (stored + 1: 0 means no geometry), perceptual roughness 8 |
 //! | with any optional | [`VALID_MASK_FORMAT`] | optional targets written, as bits of [`GBufferTargets`](crate::gbuffer::GBufferTargets), 4; light of a lightmap in the emissive target: incident 1, reflected 1 |
 //! | optional | [`EMISSIVE_FORMAT`] | light with a shared exponent: `layout/light.wgsl` |
@@ -16,13 +16,15 @@
 //!   sRGB's own curve 0.58, gamma 2.2 0.60, linear 2.25; largest error: 1.43, 1.00, 1.21, 12.75. The small gain of sRGB's curve was
 //!   not visible in an image (51.1 dB against 51.5 dB on the benches' boxes scene), and its powers cost 7% of the raster pass there
 //!   (3.60 ms against 3.37 ms, H200, 4K).
-//! - **A shared exponent for the roots**: a colour whose brightest channel is at most 1/16 is stored 16 times as bright. Strong light
-//!   magnifies the steps of dark albedo; with the exponent they stay within 1.6 to 6.5% of the brightest channel down to 1/256. Equal
-//!   channels have equal codes: grey stays grey.
-//! - **21 codes for metallic, 24 for material occlusion**: multiples of 1/20, usual in materials, are exact metallic values. With
-//!   multiples of 1/10 the benches' boxes, half of which have a metallic of 1/4 or 3/4, are at 43.3 dB from forward instead of 55.9.
-//! - **A flag for normals without a normal map**: shadow bias follows them as it does in forward. With a map it follows the geometric
-//!   normal, from depth.
+//! - **A shared exponent for the roots**: a colour whose brightest channel is at most 1/16 is stored 16 times as bright, one up to 1/4
+//!   4 times. Of FlightHelmet's albedo 90% is at most 1/4: there the exponent is worth a bit per channel. Strong light magnifies the
+//!   steps of dark albedo; they stay within 1.6 to 6.5% of the brightest channel down to 1/256. Equal channels have equal codes: grey
+//!   stays grey.
+//! - **21 codes for metallic; for material occlusion 56 with a metallic of 0 or 1, else 12**: most surfaces are metal or not, and their
+//!   textures have occlusion. Multiples of 1/20, usual in materials, are exact metallic values. With multiples of 1/10 the benches'
+//!   boxes, half of which have a metallic of 1/4 or 3/4, are at 43.3 dB from forward instead of 55.9.
+//! - **A flag for shading normals that tell the mesh's**: shadow bias follows those. In forward it follows the interpolated normal.
+//!   Where a normal map turns the shading normal further from that than the triangle is, it follows the normal from depth.
 //! - **4095 codes per axis, not 4096**, so that 0 is a code: axes, walls and floors are exact.
 //! - **Best of four** rounding for the normal: mean error 0.0195°, largest 0.0395°, against 0.0209° and 0.0592° for rounding each
 //!   axis on its own.

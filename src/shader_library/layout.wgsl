@@ -2,7 +2,7 @@
 //
 // | word | target          | bits, low to high                                         |
 // |------|-----------------|-----------------------------------------------------------|
-// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots), their exponent 1, metallic and occlusion 9, normal is the mesh's 1 |
+// | 0    | `surface`       | albedo R 7, G 7, B 7 (square roots); their exponent, metallic and occlusion 10; normal is the mesh's 1 |
 // | 1    | `normal`        | octahedral x 12, y 12 (stored + 1, so 0 = no geometry), perceptual roughness 8 |
 //
 // The optional targets' words are in `layout/`, a file for each.
@@ -11,9 +11,14 @@
 
 const ALBEDO_MAX: f32 = 127.0;
 const METALLIC_MAX: f32 = 20.0;
-const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion for each code of metallic.
-const OCCLUSION_CODES: u32 = 24u;
+/// Codes of occlusion for a metallic of 0, and for 1.
+const PURE_CODES: u32 = 56u;
+/// Codes of occlusion for each other metallic.
+const MIXED_CODES: u32 = 12u;
+/// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
+const FIRST_MIXED: u32 = 112u;
+/// Codes of metallic and occlusion for each exponent of albedo.
+const METALLIC_AND_OCCLUSION_CODES: u32 = 340u;
 /// Bit of word 0.
 const MESH_NORMAL_BIT: u32 = 0x80000000u;
 const ROUGHNESS_MAX: f32 = 255.0;
@@ -47,7 +52,7 @@ struct Surface {
     /// World space, unit length.
     normal: vec3<f32>,
     perceptual_roughness: f32,
-    /// True if the shading normal is that of the mesh: no map turns it.
+    /// True if shadow bias follows the shading normal: no map turns it far from the mesh's.
     has_mesh_normal: bool,
 }
 
@@ -78,15 +83,25 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
     return vec3<u32>(sqrt(clamp(valid, vec3(0.0), vec3(1.0))) * steps + 0.5);
 }
 
-/// Common exponent of the roots of `albedo`, 0 or 1. Decided on linear values: comparisons of floats agree with the Rust twin,
+/// Common exponent of the roots of `albedo`, 0 to 2. Decided on linear values: comparisons of floats agree with the Rust twin,
 /// square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
-    return u32(max(albedo.r, max(albedo.g, albedo.b)) <= 0.0625);
+    let largest = max(albedo.r, max(albedo.g, albedo.b));
+    return u32(largest <= 0.25) + u32(largest <= 0.0625);
 }
 
-/// Factor of albedo with this exponent: 1 or 16.
+/// Factor of albedo with this exponent: 1, 4 or 16.
 fn albedo_scale(exponent: u32) -> f32 {
-    return f32(1u << (4u * exponent));
+    return f32(1u << (2u * exponent));
+}
+
+/// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
+fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
+    let m = quantize(metallic, METALLIC_MAX);
+    if m > 0u && m < u32(METALLIC_MAX) {
+        return FIRST_MIXED + (m - 1u) * MIXED_CODES + quantize(occlusion, f32(MIXED_CODES - 1u));
+    }
+    return select(0u, PURE_CODES, m > 0u) + quantize(occlusion, f32(PURE_CODES - 1u));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.
@@ -96,30 +111,35 @@ fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_norma
     let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
     let exponent = albedo_exponent(valid);
     let rgb = vec3<u32>(sqrt(valid * albedo_scale(exponent)) * ALBEDO_MAX + 0.5);
-    let m = quantize(metallic, METALLIC_MAX);
-    let o = quantize(occlusion, OCCLUSION_MAX);
-    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (exponent << 21u) | ((m * OCCLUSION_CODES + o) << 22u)
-        | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
+    let rest = exponent * METALLIC_AND_OCCLUSION_CODES + pack_metallic_and_occlusion(metallic, occlusion);
+    return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (rest << 21u) | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
 }
 
 fn unpack_albedo(word: u32) -> vec3<f32> {
     let codes = vec3(word & 0x7fu, (word >> 7u) & 0x7fu, (word >> 14u) & 0x7fu);
     let root = vec3<f32>(codes) / ALBEDO_MAX;
-    return root * root / albedo_scale((word >> 21u) & 1u);
+    return root * root / albedo_scale(((word >> 21u) & 0x3ffu) / METALLIC_AND_OCCLUSION_CODES);
 }
 
-/// Code of metallic times `OCCLUSION_CODES`, plus that of occlusion.
+/// Code of `pack_metallic_and_occlusion`.
 fn metallic_and_occlusion(word: u32) -> u32 {
-    return (word >> 22u) & 0x1ffu;
+    return ((word >> 21u) & 0x3ffu) % METALLIC_AND_OCCLUSION_CODES;
 }
 
 fn unpack_metallic(word: u32) -> f32 {
-    // Words that were never packed may hold a larger code.
-    return min(f32(metallic_and_occlusion(word) / OCCLUSION_CODES) / METALLIC_MAX, 1.0);
+    let code = metallic_and_occlusion(word);
+    if code < FIRST_MIXED {
+        return f32(code >= PURE_CODES);
+    }
+    return f32((code - FIRST_MIXED) / MIXED_CODES + 1u) / METALLIC_MAX;
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
-    return f32(metallic_and_occlusion(word) % OCCLUSION_CODES) / OCCLUSION_MAX;
+    let code = metallic_and_occlusion(word);
+    if code < FIRST_MIXED {
+        return f32(code % PURE_CODES) / f32(PURE_CODES - 1u);
+    }
+    return f32((code - FIRST_MIXED) % MIXED_CODES) / f32(MIXED_CODES - 1u);
 }
 
 /// True if the shading normal is that of the mesh.

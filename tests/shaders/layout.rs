@@ -17,13 +17,13 @@ const MODULE: WgslModule = shipped_wgsl!("shader_library/layout.wgsl");
 
 /// Floats of a [`Surface`], as the kernels below pass them.
 const FIELDS: usize = 10;
-/// Largest codes of an albedo channel, of its exponent, of metallic and of occlusion.
+/// Largest codes of an albedo channel, of its exponent, of metallic, and of metallic and occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
-const EXPONENT_MAX: u32 = 1;
-/// The largest code of a channel of albedo up to 1/16, with exponent 0.
-const DARK_CODE_MAX: u32 = 31;
+const EXPONENT_MAX: u32 = 2;
+/// The largest code of a channel of albedo that has a larger exponent.
+const DARK_CODE_MAX: u32 = 63;
 const METALLIC_CODE_MAX: u32 = 20;
-const OCCLUSION_CODE_MAX: u32 = 23;
+const METALLIC_AND_OCCLUSION_MAX: u32 = 339;
 /// Largest code of an octahedral axis; the least is 1.
 const NORMAL_CODE_MAX: u32 = NORMAL_STEPS as u32 + 1;
 /// Largest difference between device and twin in a decoded value: their `pow` and `normalize` round differently.
@@ -95,27 +95,40 @@ fn surface(fields: [f32; FIELDS]) -> Surface {
 }
 
 /// A surface word as packing makes it, with the exponent that its colour requires.
-fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic: u32, occlusion: u32) -> u32 {
+fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic_and_occlusion: u32) -> u32 {
     let is_dark = r.max(g).max(b) <= DARK_CODE_MAX;
     let exponent = if is_dark { EXPONENT_MAX } else { exponent };
-    let rest = metallic * (OCCLUSION_CODE_MAX + 1) + occlusion;
     // Every other code of red marks the mesh's normal.
-    r | (g << 7) | (b << 14) | (exponent << 21) | (rest << 22) | ((r % 2) << 31)
+    let flag = r % 2;
+    let rest = exponent * (METALLIC_AND_OCCLUSION_MAX + 1) + metallic_and_occlusion;
+    r | (g << 7) | (b << 14) | (rest << 21) | (flag << 31)
 }
 
 /// Codes of a surface word: three of albedo, its exponent, metallic, occlusion, and the flag of the mesh's normal.
 fn surface_codes(word: u32) -> [u32; 7] {
-    let rest = (word >> 22) & 0x1ff;
-    let occlusions = OCCLUSION_CODE_MAX + 1;
+    let rest = (word >> 21) & 0x3ff;
+    let (metallic, occlusion) = match rest % (METALLIC_AND_OCCLUSION_MAX + 1) {
+        code @ 112.. => ((code - 112) / 12 + 1, (code - 112) % 12),
+        code => (code / 56 * METALLIC_CODE_MAX, code % 56),
+    };
     [
         word & 0x7f,
         (word >> 7) & 0x7f,
         (word >> 14) & 0x7f,
-        (word >> 21) & 1,
-        rest / occlusions,
-        rest % occlusions,
+        rest / (METALLIC_AND_OCCLUSION_MAX + 1),
+        metallic,
+        occlusion,
         word >> 31,
     ]
+}
+
+/// Largest code of occlusion beside this code of metallic.
+fn occlusion_code_max(metallic: u32) -> u32 {
+    if metallic % METALLIC_CODE_MAX == 0 {
+        55
+    } else {
+        15
+    }
 }
 
 fn normal_word(x: u32, y: u32, roughness: u32) -> u32 {
@@ -169,27 +182,24 @@ fn every_code_survives_unpacking_and_packing() {
                 for others in [0, code / 2, code] {
                     let mut codes = [others; 3];
                     codes[channel] = code;
-                    let word = surface_word(codes, exponent, 0, 0);
+                    let word = surface_word(codes, exponent, 0);
                     words.push([word, normal_word(1, 1, 0)]);
                 }
             }
         }
     }
-    for metallic in 0..=METALLIC_CODE_MAX {
-        for occlusion in 0..=OCCLUSION_CODE_MAX {
-            let word = surface_word([0; 3], 0, metallic, occlusion);
-            words.push([word, normal_word(1, 1, 0)]);
-        }
+    for both in 0..=METALLIC_AND_OCCLUSION_MAX {
+        words.push([surface_word([0; 3], 0, both), normal_word(1, 1, 0)]);
     }
-    let black = surface_word([0; 3], 0, 0, 0);
+    let black = surface_word([0; 3], 0, 0);
     words.extend((0..=255).map(|roughness| [black, normal_word(2048, 2048, roughness)]));
     words.extend((0..500_000).map(|_| {
         let mut below = |count: u32| random.below(count as usize) as u32;
         let albedo = [(); 3].map(|()| below(ALBEDO_CODE_MAX + 1));
         let exponent = below(EXPONENT_MAX + 1);
-        let (metallic, occlusion) = (below(METALLIC_CODE_MAX + 1), below(OCCLUSION_CODE_MAX + 1));
+        let both = below(METALLIC_AND_OCCLUSION_MAX + 1);
         [
-            surface_word(albedo, exponent, metallic, occlusion),
+            surface_word(albedo, exponent, both),
             normal_word(
                 1 + below(NORMAL_CODE_MAX),
                 1 + below(NORMAL_CODE_MAX),
@@ -345,7 +355,7 @@ fn device_and_twin_pack_alike() {
     );
 }
 
-/// Black, white, a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
+/// Black, white, a 4th and a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
 #[test]
 fn common_values_are_exact() {
     let stored = |albedo: Vec3, metallic, occlusion| {
@@ -356,7 +366,7 @@ fn common_values_are_exact() {
             layout::unpack_occlusion(word),
         )
     };
-    for albedo in [0.0, 1.0, 0.0625] {
+    for albedo in [0.0, 1.0, 0.25, 0.0625] {
         for channels in [Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z] {
             let albedo = albedo * channels;
             assert_eq!(stored(albedo, 0.0, 1.0), (albedo, 0.0, 1.0));

@@ -58,8 +58,7 @@ pub const SCENES: &[Scene] = &[
             brightness: 1500.0,
             ..default()
         });
-    })
-    .allow(43.0, "occlusion has 24 codes"),
+    }),
     Scene::new("parallax_occlusion", |s| {
         parallax(s, ParallaxMappingMethod::Occlusion)
     })

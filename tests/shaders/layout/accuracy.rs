@@ -117,8 +117,9 @@ fn packed_albedo_errors(values: impl Iterator<Item = f64>) -> [f64; 2] {
 #[test]
 fn packed_albedo_is_as_exact_as_documented() {
     let ranges = [
-        ("all", 0.0, 1.0, [0.486, 1.109]),
-        ("above 1/16", 0.0625, 1.0, [0.561, 1.109]),
+        ("all", 0.0, 1.0, [0.407, 0.990]),
+        ("above 1/4", 0.25, 1.0, [0.538, 0.990]),
+        ("1/16 to 1/4", 0.0625, 0.25, [0.302, 0.556]),
         ("to 1/16", 0.0, 0.0625, [0.174, 0.360]),
     ];
     for (name, from, to, documented) in ranges {

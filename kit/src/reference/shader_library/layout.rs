@@ -12,10 +12,14 @@ use bevy_lean_deferred::shader_library::layout::quantize;
 pub const ALBEDO_MAX: f32 = 127.0;
 /// Largest code of metallic.
 pub const METALLIC_MAX: f32 = 20.0;
-/// Largest code of occlusion.
-pub const OCCLUSION_MAX: f32 = 23.0;
-/// Codes of occlusion per code of metallic.
-pub const OCCLUSION_CODES: u32 = 24;
+/// Codes of occlusion for a metallic of 0, and for 1.
+pub const PURE_CODES: u32 = 56;
+/// Codes of occlusion for each other metallic.
+pub const MIXED_CODES: u32 = 12;
+/// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
+pub const FIRST_MIXED: u32 = 112;
+/// Codes of metallic and occlusion for each exponent of albedo.
+pub const METALLIC_AND_OCCLUSION_CODES: u32 = 340;
 /// Flag in word 0: the shading normal is that of the mesh.
 pub const MESH_NORMAL_BIT: u32 = 1 << 31;
 /// Largest code of roughness.
@@ -46,19 +50,30 @@ pub struct Surface {
     pub normal: Vec3,
     /// 0 to 1.
     pub perceptual_roughness: f32,
-    /// The shading normal is that of the mesh: no normal map changes it.
+    /// Shadow bias follows the shading normal: no normal map turns it far from the mesh's.
     pub has_mesh_normal: bool,
 }
 
-/// Shared exponent of the roots of `albedo`, 0 or 1. Decided on linear values: float comparisons agree with the device, square roots
+/// Shared exponent of the roots of `albedo`, 0 to 2. Decided on linear values: float comparisons agree with the device, square roots
 /// may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
-    u32::from(albedo.max_element() <= 0.0625)
+    let largest = albedo.max_element();
+    u32::from(largest <= 0.25) + u32::from(largest <= 0.0625)
 }
 
-/// Factor on albedo of this exponent: 1 or 16.
+/// Factor on albedo of this exponent: 1, 4 or 16.
 pub fn albedo_scale(exponent: u32) -> f32 {
-    (1u32 << (4 * exponent)) as f32
+    (1u32 << (2 * exponent)) as f32
+}
+
+/// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
+fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
+    let occlusion_of = |codes| quantize(occlusion, (codes - 1) as f32);
+    match quantize(metallic, METALLIC_MAX) {
+        0 => occlusion_of(PURE_CODES),
+        m if m == METALLIC_MAX as u32 => PURE_CODES + occlusion_of(PURE_CODES),
+        m => FIRST_MIXED + (m - 1) * MIXED_CODES + occlusion_of(MIXED_CODES),
+    }
 }
 
 /// Packs word 0. All inputs 0 to 1; a colour with a NaN becomes black.
@@ -71,10 +86,9 @@ pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32, has_mesh_normal
     let exponent = albedo_exponent(valid);
     let scaled = (valid * albedo_scale(exponent)).to_array();
     let [r, g, b] = scaled.map(|x| (x.sqrt() * ALBEDO_MAX + 0.5) as u32);
-    let m = quantize(metallic, METALLIC_MAX);
-    let o = quantize(occlusion, OCCLUSION_MAX);
     let mesh_normal = if has_mesh_normal { MESH_NORMAL_BIT } else { 0 };
-    let rest = (exponent << 21) | ((m * OCCLUSION_CODES + o) << 22);
+    let both = pack_metallic_and_occlusion(metallic, occlusion);
+    let rest = (exponent * METALLIC_AND_OCCLUSION_CODES + both) << 21;
     r | (g << 7) | (b << 14) | rest | mesh_normal
 }
 
@@ -86,23 +100,30 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
         ((word >> 14) & 0x7f) as f32,
     );
     let root = codes / ALBEDO_MAX;
-    root * root / albedo_scale((word >> 21) & 1)
+    root * root / albedo_scale(((word >> 21) & 0x3ff) / METALLIC_AND_OCCLUSION_CODES)
 }
 
-/// Code of metallic times [`OCCLUSION_CODES`], plus that of occlusion.
+/// Code of [`pack_metallic_and_occlusion`].
 fn metallic_and_occlusion(word: u32) -> u32 {
-    (word >> 22) & 0x1ff
+    ((word >> 21) & 0x3ff) % METALLIC_AND_OCCLUSION_CODES
 }
 
 /// Metallic of word 0.
 pub fn unpack_metallic(word: u32) -> f32 {
-    // A word that was not packed may hold a larger code.
-    ((metallic_and_occlusion(word) / OCCLUSION_CODES) as f32 / METALLIC_MAX).min(1.0)
+    match metallic_and_occlusion(word) {
+        code @ FIRST_MIXED.. => ((code - FIRST_MIXED) / MIXED_CODES + 1) as f32 / METALLIC_MAX,
+        code => f32::from(u8::from(code >= PURE_CODES)),
+    }
 }
 
 /// Material occlusion of word 0.
 pub fn unpack_occlusion(word: u32) -> f32 {
-    (metallic_and_occlusion(word) % OCCLUSION_CODES) as f32 / OCCLUSION_MAX
+    match metallic_and_occlusion(word) {
+        code @ FIRST_MIXED.. => {
+            ((code - FIRST_MIXED) % MIXED_CODES) as f32 / (MIXED_CODES - 1) as f32
+        }
+        code => (code % PURE_CODES) as f32 / (PURE_CODES - 1) as f32,
+    }
 }
 
 /// True if word 0 flags the normal in word 1 as that of the mesh.
