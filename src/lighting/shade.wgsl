@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::lighting::shade
 
 #import bevy_lean_deferred::lighting::parts
-#import bevy_lean_deferred::lighting::surface::{Pixel, pbr_input_from_gbuffer}
+#import bevy_lean_deferred::lighting::surface::{Pixel, is_lit, pbr_input_from_gbuffer}
 #import bevy_pbr::{
     clustered_forward::view_fragment_cluster_index,
     mesh_view_bindings::view,
@@ -17,7 +17,7 @@
     screen_space_light::{ScreenSpaceLight, screen_space_light},
     indirect_light::add_indirect_light,
     lit::Lit,
-    shading_point::{NO_CLUSTER, ShadingPoint, set_colors, shading_point},
+    shading_point::{NO_CLUSTER, ShadingPoint, set_material, shading_point},
 }
 
 #ifdef DEBUG_VIEW
@@ -39,10 +39,6 @@
 
 #ifdef AREA_LIGHT_LUTS
 #import bevy_lean_deferred::lighting::lights::rect_light::add_rect_lights
-#endif
-
-#ifdef GBUFFER_SPECIALIZATION
-#import bevy_lean_deferred::lighting::surface::is_unlit
 #endif
 
 #ifdef SHADING_MODEL_RIM
@@ -129,8 +125,6 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var cluster = NO_CLUSTER;
     var shaded: Shaded;
     var accumulator: LightAccumulator;
-    // Share of direct light that occlusion leaves.
-    var direct_visibility = 1.0;
     if pixel.has_geometry {
         var shadows: DirectionalShadows;
 #ifdef LIGHT_LAYERS
@@ -145,46 +139,10 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #ifdef CLUSTERED_DECALS_ARE_USABLE
         apply_decals(&pbr);
 #endif
-#ifdef GBUFFER_SPECIALIZATION
-        let has_light = !is_unlit(pixel.specialization_word);
-#else
-        let has_light = true;
-#endif
-        if !has_light {
-            emit(&shaded, pixel, pbr.material.base_color.rgb);
-        } else {
-            let found = screen_space_light(pixel, pbr.diffuse_occlusion);
-#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-            if parts::has(parts::SCREEN_SPACE_AMBIENT_OCCLUSION) {
-                apply_ssao(&pbr, pixel.position);
-            }
-#endif
-#ifdef LEAN_AMBIENT_OCCLUSION
-            if parts::has(parts::AMBIENT_OCCLUSION) {
-                let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
-#ifdef OCCLUSION_OF_DIRECT_LIGHT
-                direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
-#endif
-            }
-#endif
-#ifdef INDIRECT_DIFFUSE
-            if parts::has(parts::INDIRECT_DIFFUSE) {
-                apply_visibility(&pbr, found.visibility, vec3(found.visibility));
-            }
-#endif
+        if is_lit(pixel) {
             let view_z = (view.view_from_world * pbr.world_position).z;
             cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
             point = shading_point(pbr, pixel, view_z);
-            // Light that needs more of the surface comes first, so that fewer registers are live in the loops over lights.
-            var lit: Lit;
-            emit(&shaded, pixel, emission(pbr, pixel));
-            add_indirect_light(&point, pbr, cluster, found, &lit);
-            show(&shaded, pixel, lit, 1.0);
-#ifdef AREA_LIGHT_LUTS
-            lit = Lit();
-            add_rect_lights(&point, &lit);
-            show(&shaded, pixel, lit, direct_visibility);
-#endif
             add_directional_lights(&point, &shadows, &accumulator);
         }
     }
@@ -194,13 +152,51 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     if !pixel.has_geometry {
         return shaded;
     }
-    if cluster != NO_CLUSTER {
+    // Before terms of the surface are live: interpolation takes many registers.
+    var found: ScreenSpaceLight;
+    if is_lit(pixel) {
+        found = screen_space_light(pixel);
+    }
 #ifndef CLUSTERED_DECALS_ARE_USABLE
-        // Unpacked again: colours that are kept take ten registers in the loops over lights. Decals change them.
-        let again = pbr_input_from_gbuffer(pixel);
-        set_colors(&point, again.material);
+    // Unpacked again, so that fewer registers are live in the loops over lights. Decals change the surface.
+    pbr = pbr_input_from_gbuffer(pixel);
 #endif
-        show(&shaded, pixel, lit_of(&point, accumulator), direct_visibility);
+    if is_lit(pixel) {
+        set_material(&point, pbr.material);
+        let direct = lit_of(&point, accumulator);
+        // Share of direct light that occlusion leaves.
+        var direct_visibility = 1.0;
+        found.material_visibility = pbr.diffuse_occlusion;
+#ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
+        if parts::has(parts::SCREEN_SPACE_AMBIENT_OCCLUSION) {
+            apply_ssao(&pbr, pixel.position);
+        }
+#endif
+#ifdef LEAN_AMBIENT_OCCLUSION
+        if parts::has(parts::AMBIENT_OCCLUSION) {
+            let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
+#ifdef OCCLUSION_OF_DIRECT_LIGHT
+            direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
+#endif
+        }
+#endif
+#ifdef INDIRECT_DIFFUSE
+        if parts::has(parts::INDIRECT_DIFFUSE) {
+            apply_visibility(&pbr, found.visibility, vec3(found.visibility));
+        }
+#endif
+        var lit: Lit;
+        emit(&shaded, pixel, emission(pbr, pixel));
+        add_indirect_light(&point, pbr, cluster, found, &lit);
+        show(&shaded, pixel, lit, 1.0);
+#ifdef AREA_LIGHT_LUTS
+        lit = Lit();
+        add_rect_lights(&point, &lit);
+        show(&shaded, pixel, lit, direct_visibility);
+#endif
+        show(&shaded, pixel, direct, direct_visibility);
+    } else {
+        emit(&shaded, pixel, pbr.material.base_color.rgb);
     }
 #ifdef SCATTERS_LIGHT
     if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {

@@ -129,15 +129,37 @@ fn depth_slope(depth: f32, other: f32, side: f32) -> f32 {
 }
 #endif  // GEOMETRIC_NORMAL
 
-/// True if the surface is lit, and may be in shadow.
-fn receives_shadows(pixel: Pixel) -> bool {
+/// True if lights affect the surface.
+fn is_lit(pixel: Pixel) -> bool {
 #ifdef GBUFFER_SPECIALIZATION
-    let word = pixel.specialization_word;
-    return !is_unlit(word) && (word & specialization::NO_SHADOWS) == 0u;
+    return !is_unlit(pixel.specialization_word);
 #else
     return true;
 #endif
 }
+
+/// True if the surface is lit, and may be in shadow.
+fn receives_shadows(pixel: Pixel) -> bool {
+#ifdef GBUFFER_SPECIALIZATION
+    return is_lit(pixel) && (pixel.specialization_word & specialization::NO_SHADOWS) == 0u;
+#else
+    return true;
+#endif
+}
+
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+/// True if light on the back is transmitted and may be in shadow. The surface receives shadows.
+fn back_receives_shadows(pixel: Pixel) -> bool {
+    let word = pixel.specialization_word;
+    return specialization::unpack_shading_model(word) == specialization::DIFFUSE_TRANSMISSION
+        && diffuse_transmission::unpack_receives_shadows(specialization::unpack_arguments(word));
+}
+
+/// Distance in metres between the surface and its back, where it transmits light.
+fn thickness_of(pixel: Pixel) -> f32 {
+    return diffuse_transmission::unpack_thickness(specialization::unpack_arguments(pixel.specialization_word));
+}
+#endif
 
 fn pbr_input_from_gbuffer(pixel: Pixel) -> PbrInput {
     let surface_word = pixel.surface_word;

@@ -162,6 +162,21 @@ fn direction_from_octahedral(p: vec2<f32>) -> vec3<f32> {
     return n;
 }
 
+/// Packs a direction of any length, by the same map with 16 bits per axis. Never 0.
+fn pack_direction(direction: vec3<f32>) -> u32 {
+    let n = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+    var p = n.xy;
+    if n.z < 0.0 {
+        p = (1.0 - abs(n.yx)) * vec2(sign_not_zero(n.x), sign_not_zero(n.y));
+    }
+    return pack2x16snorm(p) | 1u;
+}
+
+/// Unit vector from `pack_direction`.
+fn unpack_direction(word: u32) -> vec3<f32> {
+    return normalize(direction_from_octahedral(unpack2x16snorm(word)));
+}
+
 /// Unit vector of integer codes 0..NORMAL_STEPS.
 fn unit_from_codes(codes: vec2<f32>) -> vec3<f32> {
     return normalize(direction_from_octahedral(codes * (2.0 / NORMAL_STEPS) - 1.0));

@@ -2,8 +2,8 @@
 // to three more.
 #import bevy_lean_deferred::effects::subsurface::{
     bindings::{level_output, light_texture, next_output},
-    entries::{Square, count_of, is_within, keep, read_materials, texel_of},
-    mean::mean_of,
+    entries::{Square, count_of, is_within, keep, read_materials, texel_of, words_kept_at},
+    mean::{INVOCATIONS, make_level, mean_of},
 }
 #ifdef LISTED
 #import bevy_lean_deferred::effects::subsurface::texel::{count_of_blocks, is_written, listed_block}
@@ -11,8 +11,6 @@
 #import bevy_lean_deferred::effects::subsurface::bindings::last_output
 #import bevy_lean_deferred::effects::subsurface::texel::is_listed
 #endif
-
-const INVOCATIONS: i32 = 256;
 
 // A workgroup's squares have a border that only its next level needs.
 #ifdef LISTED
@@ -24,29 +22,18 @@ fn words_at(pixel: vec2<i32>) -> vec2<u32> {
 /// Makes the first two levels of a block.
 fn make(block: vec2<i32>, invocation: i32) {
     let read = Square(0, 38, 32 * block - 3);
-    let first = Square(count_of(read), 18, 16 * block - 1);
+    let first = Square(0, 18, 16 * block - 1);
     var words: array<vec2<u32>, 6>;
     for (var i = 0; i < 6; i++) {
         words[i] = words_at(texel_of(read, invocation + i * INVOCATIONS));
     }
-    for (var i = 0; i < 6; i++) {
-        keep(read, invocation + i * INVOCATIONS, words[i]);
-    }
-    workgroupBarrier();
-    for (var i = invocation; i < count_of(first); i += INVOCATIONS) {
-        let texel = texel_of(first, i);
-        let words = mean_of(read, texel, 1u);
-        keep(first, i, words);
-        if is_within(first, 1, texel) {
-            textureStore(level_output, texel, vec4(words, 0u, 0u));
-        }
-    }
-    workgroupBarrier();
+    make_level(read, &words, first, 1u, invocation);
+    let texel = texel_of(Square(0, 16, 16 * block), invocation);
+    textureStore(level_output, texel, vec4(words_kept_at(first, texel), 0u, 0u));
     if invocation < 64 {
-        let texel = texel_of(Square(0, 8, 8 * block), invocation);
-        textureStore(next_output, texel, vec4(mean_of(first, texel, 2u), 0u, 0u));
+        let next = texel_of(Square(0, 8, 8 * block), invocation);
+        textureStore(next_output, next, vec4(mean_of(first, next, 2u), 0u, 0u));
     }
-    workgroupBarrier();
 }
 
 @compute @workgroup_size(INVOCATIONS, 1, 1)
@@ -72,15 +59,15 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let invocation = i32(index);
     let corner = vec2<i32>(workgroup.xy) * 8;
     let read = Square(0, 30, 2 * corner - 7);
-    let first = Square(count_of(read), 14, corner - 3);
-    let second = Square(first.start + count_of(first), 6, corner / 2 - 1);
-    let texel = texel_of(first, invocation);
+    let first = Square(0, 14, corner - 3);
+    let second = Square(count_of(first), 6, corner / 2 - 1);
+    let texel = texel_of(Square(0, 8, corner), invocation);
     let next = texel_of(second, invocation);
     let last = texel_of(Square(0, 2, corner / 4), invocation);
     // Without listed blocks, all texels are empty.
     let block = corner / 4;
     if !(is_listed(block) || is_listed(block + vec2(1, 0)) || is_listed(block + vec2(0, 1)) || is_listed(block + 1)) {
-        if is_within(first, 3, texel) {
+        if invocation < 64 {
             textureStore(level_output, texel, vec4(0u));
         }
         if is_within(second, 1, next) {
@@ -92,22 +79,15 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         return;
     }
     read_materials(index);
-    var words: array<vec2<u32>, 4>;
+    // The last two are beyond the square.
+    var words: array<vec2<u32>, 6>;
     for (var i = 0; i < 4; i++) {
         words[i] = words_at(texel_of(read, invocation + i * INVOCATIONS));
     }
-    for (var i = 0; i < 4; i++) {
-        keep(read, invocation + i * INVOCATIONS, words[i]);
+    make_level(read, &words, first, 3u, invocation);
+    if invocation < 64 {
+        textureStore(level_output, texel, vec4(words_kept_at(first, texel), 0u, 0u));
     }
-    workgroupBarrier();
-    if invocation < count_of(first) {
-        let made = mean_of(read, texel, 3u);
-        keep(first, invocation, made);
-        if is_within(first, 3, texel) {
-            textureStore(level_output, texel, vec4(made, 0u, 0u));
-        }
-    }
-    workgroupBarrier();
     if invocation < count_of(second) {
         let made = mean_of(first, next, 4u);
         keep(second, invocation, made);

@@ -18,7 +18,7 @@ struct Kept {
 var<workgroup> entries: array<vec4<u32>, 244>;
 var<workgroup> distances: array<vec3<f32>, MOST_MATERIALS + 1u>;
 #else
-var<workgroup> entries: array<vec2<u32>, 1768>;
+var<workgroup> entries: array<vec2<u32>, 760>;
 var<workgroup> materials: array<u32, MOST_MATERIALS + 1u>;
 #endif
 
@@ -82,6 +82,14 @@ fn kept_at(square: Square, texel: vec2<i32>) -> Kept {
 fn keep(square: Square, index: i32, words: vec2<u32>) {
     if index < count_of(square) {
         entries[square.start + index] = words;
+    }
+}
+
+/// Stores the words of the texel with this index, if it is one of `count` from `first` on, without those before.
+fn keep_part(first: i32, count: i32, index: i32, words: vec2<u32>) {
+    let place = index - first;
+    if place >= 0 && place < count {
+        entries[place] = words;
     }
 }
 

@@ -2,13 +2,12 @@
 // part of the coarsest levels that reaches its own texels.
 #import bevy_lean_deferred::effects::subsurface::{
     bindings::{light_texture, scattered_output},
-    entries::{Square, count_of, keep, read_materials, texel_of, words_kept_at},
-    mean::mean_of,
+    entries::{Square, keep, read_materials, texel_of, words_kept_at},
+    mean::{INVOCATIONS, make_level, mean_of},
     scattered::{scattered, shown_at},
 }
 #import bevy_lean_deferred::workgroup::is_any
 
-const INVOCATIONS: i32 = 256;
 /// Side of a workgroup's output in texels.
 const MADE: i32 = 8;
 
@@ -31,10 +30,10 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let is_maker = invocation < MADE * MADE;
     // The output, and beneath it, with a border of two texels, the next coarser level as it scatters and the coarsest as it is.
     let made = Square(0, MADE, vec2<i32>(workgroup.xy) * MADE);
-    let coarser = Square(64, 8, made.corner / 2 - 2);
-    let coarsest = Square(0, 8, coarser.corner / 2 - 2);
+    let coarser = Square(324, 8, made.corner / 2 - 2);
+    let coarsest = Square(388, 8, coarser.corner / 2 - 2);
     // Sources of these.
-    let next = Square(1444, 18, 2 * coarsest.corner - 1);
+    let next = Square(0, 18, 2 * coarsest.corner - 1);
     let read = Square(0, 38, 2 * next.corner - 1);
 
     let texel = texel_of(made, invocation);
@@ -53,14 +52,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         }
         return;
     }
-    for (var i = 0; i < 6; i++) {
-        keep(read, invocation + i * INVOCATIONS, words[i]);
-    }
-    workgroupBarrier();
-    for (var i = invocation; i < count_of(next); i += INVOCATIONS) {
-        keep(next, i, mean_of(read, texel_of(next, i), 6u));
-    }
-    workgroupBarrier();
+    make_level(read, &words, next, 6u, invocation);
     if is_maker {
         keep(coarsest, invocation, mean_of(next, texel_of(coarsest, invocation), 7u));
     }

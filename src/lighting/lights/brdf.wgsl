@@ -3,7 +3,7 @@
 #define_import_path bevy_lean_deferred::lighting::lights::brdf
 
 #import bevy_lean_deferred::lighting::lights::lit::Lit
-#import bevy_lean_deferred::lighting::lights::shading_point::{ShadingPoint, fifth_power, smith}
+#import bevy_lean_deferred::lighting::lights::shading_point::{ShadingPoint, fifth_power, smith, view_cosine, view_fresnel}
 
 #ifdef SPHERE_LIGHTS
 #import bevy_pbr::lighting::specular_fix_remap
@@ -123,7 +123,7 @@ fn distribution(roughness: f32, NdotH: f32) -> f32 {
 fn diffuse_reflection(point: ptr<function, ShadingPoint>, h: Halfway) -> f32 {
     let beyond = 2.0 * (*point).roughness * h.LdotH * h.LdotH - 0.5;
     let light_scatter = 1.0 + beyond * fifth_power(1.0 - h.NdotL);
-    let view_scatter = 1.0 + beyond * (*point).view_fresnel;
+    let view_scatter = 1.0 + beyond * view_fresnel(point);
     return light_scatter * view_scatter * h.NdotL;
 }
 
@@ -144,7 +144,7 @@ fn specular_reflection(
         let along = mix(across, 1.0, (*point).anisotropy * (*point).anisotropy);
         let distribution = D_GGX_anisotropic(along, across, h.NdotH, dot(T, h.H), dot(B, h.H));
         let visibility = V_GGX_anisotropic(
-            along, across, h.NdotL, (*point).NdotV, dot(B, V), dot(T, V), dot(T, L), dot(B, L),
+            along, across, h.NdotL, view_cosine(point), dot(B, V), dot(T, V), dot(T, L), dot(B, L),
         );
         return distribution * visibility * h.NdotL;
     }
@@ -152,7 +152,7 @@ fn specular_reflection(
     // Distribution and visibility with one division.
     let square = roughness * roughness;
     let k = 1.0 - h.NdotH * h.NdotH * (1.0 - square);
-    let lambdas = h.NdotL * view_smith + (*point).NdotV * smith(roughness, h.NdotL);
+    let lambdas = h.NdotL * view_smith + view_cosine(point) * smith(roughness, h.NdotL);
     return (0.5 * INVERSE_PI) * square * h.NdotL / (k * k * lambdas);
 }
 
@@ -185,7 +185,10 @@ fn response(point: ptr<function, ShadingPoint>, L: vec3<f32>) -> Response {
     let h = halfway_to(point, L);
     var response: Response;
     response.diffuse = diffuse_reflection(point, h);
-    response.specular = specular_reflection(point, L, h, (*point).roughness, (*point).view_smith);
+    let roughness = (*point).roughness;
+    // From the cosine per light: fewer registers are live in the loops over lights.
+    let view_smith = smith(roughness, view_cosine(point));
+    response.specular = specular_reflection(point, L, h, roughness, view_smith);
     response.fresnel = response.specular * fifth_power(1.0 - h.LdotH);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     cover(point, &response, h, (*point).clearcoat_roughness, 1.0);
@@ -209,7 +212,7 @@ fn response_to_sphere(point: ptr<function, ShadingPoint>, to_light: vec3<f32>, r
 
     let widening = radius / (2.0 * distance);
     let wide = widened((*point).roughness, widening);
-    let view_smith = smith(wide.roughness, (*point).NdotV);
+    let view_smith = smith(wide.roughness, view_cosine(point));
     var response: Response;
     response.diffuse = diffuse_reflection(point, halfway(point, L));
     response.specular = specular_reflection(point, L, h, wide.roughness, view_smith) * wide.dimming * above;

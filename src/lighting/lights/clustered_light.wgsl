@@ -102,22 +102,48 @@ fn texture_of(id: u32, is_spot: bool, position: vec3<f32>) -> f32 {
 }
 #endif
 
-/// Adds the light with this index. Lights out of range are rejected first: most lights near a tile do not reach each of its
-/// pixels.
+/// Adds the light with this index.
 fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr<function, LightAccumulator>) {
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    // Both sides by one call, so that shadows are compiled once.
+#ifdef SPHERE_LIGHTS
+    let sides = select(1u, 2u, transmits(point));
+    for (var side = 0u; side < sides; side++) {
+        add_light_on(side == 1u, point, id, accumulator);
+    }
+#else
+    // Without a radius, a light is on one side alone.
+    let to_light = clustered_lights.data[id].position_radius.xyz - (*point).position;
+    add_light_on(transmits(point) && dot((*point).N, to_light) <= 0.0, point, id, accumulator);
+#endif
+#else
+    add_light_on(false, point, id, accumulator);
+#endif
+}
+
+/// Adds the light on the front, or that on the back of a surface which transmits it. Lights out of range are rejected first: most
+/// lights near a tile do not reach each of its pixels.
+fn add_light_on(
+    is_back: bool,
+    point: ptr<function, ShadingPoint>,
+    id: u32,
+    accumulator: ptr<function, LightAccumulator>,
+) {
     let light = &clustered_lights.data[id];
     let position_radius = (*light).position_radius;
-    let color_range = (*light).color_inverse_square_range;
+    let inverse_square_range = (*light).color_inverse_square_range.w;
+    var position = (*point).position;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    if transmits(point) {
-        add_transmitted(point, id, accumulator);
+    if is_back {
+        position = back_position(point);
     }
 #endif
-    let to_light = position_radius.xyz - (*point).position;
+    let to_light = position_radius.xyz - position;
     let distance_square = dot(to_light, to_light);
     let height = dot((*point).N, to_light);
+    let reaches = select(height + position_radius.w > 0.0, height < 0.0, is_back);
     // Also rejects NaN.
-    if !(distance_square * color_range.w < 1.0 && height + position_radius.w > 0.0) {
+    if !(distance_square * inverse_square_range < 1.0 && reaches) {
         return;
     }
     // The surface may pass through the centre of a light with a radius.
@@ -125,23 +151,39 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, accumulator:
     let L = to_light * inverse_distance;
     let flags = (*light).flags;
     let is_spot = is_spot_light(flags);
-    var strength = attenuation(distance_square, inverse_distance, color_range.w)
+    var strength = attenuation(distance_square, inverse_distance, inverse_square_range)
         * directed_strength(id, flags, is_spot, L);
     if strength == 0.0 {
         return;
     }
+    var adds_diffuse = true;
+#ifdef LIGHTMAPPED_SURFACES
+    adds_diffuse = !(*point).is_lightmapped
+        || (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
+    if is_back && !adds_diffuse {
+        return;
+    }
+#endif
 #ifdef SHADOWS
-    if (*point).receives_shadows {
-        strength *= shadow_of(point, id, flags, is_spot, L);
+    if receives_shadows_on(is_back, point) {
+        strength *= shadow_on(is_back, point, id, flags, is_spot, position, L);
         if strength == 0.0 {
             return;
         }
     }
 #endif
 #ifdef LIGHT_TEXTURES
-    strength *= texture_of(id, is_spot, (*point).position);
+    strength *= texture_of(id, is_spot, position);
 #endif
+    // Read late: most lights do not get here, and shadows take many registers.
+    let color = (*light).color_inverse_square_range.rgb * strength;
 
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    if is_back {
+        (*accumulator).of_model += response_from_behind(point, L) * color;
+        return;
+    }
+#endif
 #ifdef SPHERE_LIGHTS
     var reflection: Response;
     if position_radius.w > 0.0 {
@@ -152,78 +194,45 @@ fn add_clustered_light(point: ptr<function, ShadingPoint>, id: u32, accumulator:
 #else
     var reflection = response(point, L);
 #endif
-#ifdef LIGHTMAPPED_SURFACES
-    let adds_diffuse =
-        (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
-    if (*point).is_lightmapped && !adds_diffuse {
+    if !adds_diffuse {
         reflection.diffuse = 0.0;
     }
-#endif
-    accumulate(accumulator, reflection, color_range.rgb * strength);
+    accumulate(accumulator, reflection, color);
 }
 
 #ifdef SHADOWS
+fn receives_shadows_on(is_back: bool, point: ptr<function, ShadingPoint>) -> bool {
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    return select((*point).receives_shadows, (*point).back_receives_shadows, is_back);
+#else
+    return (*point).receives_shadows;
+#endif
+}
+
 /// Shadow factor: 0 where the light is occluded.
-fn shadow_of(
+fn shadow_on(
+    is_back: bool,
     point: ptr<function, ShadingPoint>,
     id: u32,
     flags: u32,
     is_spot: bool,
+    position: vec3<f32>,
     L: vec3<f32>,
 ) -> f32 {
     var shadow = 1.0;
 #ifdef CLUSTERED_SHADOW_MAPS
     if (flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u {
-        shadow = clustered_shadow(id, is_spot, (*point).position, geometric_normal(point), (*point).pixel);
+        let normal = geometric_normal(point);
+        shadow = clustered_shadow(id, is_spot, position, select(normal, -normal, is_back), (*point).pixel);
     }
 #endif
 #ifdef CONTACT_SHADOWS
-    let has_contact_shadows =
-        (flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
+    let has_contact_shadows = !is_back
+        && (flags & mesh_view_types::POINT_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT) != 0u;
     if has_contact_shadows && shadow > 0.0 {
         shadow *= contact_shadow(point, L);
     }
 #endif
     return shadow;
-}
-#endif
-
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Like `add_clustered_light`, for light on the back.
-fn add_transmitted(point: ptr<function, ShadingPoint>, id: u32, accumulator: ptr<function, LightAccumulator>) {
-    let light = &clustered_lights.data[id];
-    let color_range = (*light).color_inverse_square_range;
-    let to_light = (*light).position_radius.xyz - back_position(point);
-    let distance_square = dot(to_light, to_light);
-    if !(distance_square * color_range.w < 1.0 && dot((*point).N, to_light) < 0.0) {
-        return;
-    }
-    let inverse_distance = inverseSqrt(distance_square);
-    let L = to_light * inverse_distance;
-    let flags = (*light).flags;
-    let is_spot = is_spot_light(flags);
-    var strength = attenuation(distance_square, inverse_distance, color_range.w)
-        * directed_strength(id, flags, is_spot, L);
-    if strength == 0.0 {
-        return;
-    }
-#ifdef LIGHTMAPPED_SURFACES
-    let adds_diffuse =
-        (flags & mesh_view_types::POINT_LIGHT_FLAGS_AFFECTS_LIGHTMAPPED_MESH_DIFFUSE_BIT) != 0u;
-    if (*point).is_lightmapped && !adds_diffuse {
-        return;
-    }
-#endif
-#ifdef CLUSTERED_SHADOW_MAPS
-    let has_shadows = (flags & mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u;
-    if has_shadows && (*point).back_receives_shadows {
-        let normal = -geometric_normal(point);
-        strength *= clustered_shadow(id, is_spot, back_position(point), normal, (*point).pixel);
-    }
-#endif
-#ifdef LIGHT_TEXTURES
-    strength *= texture_of(id, is_spot, back_position(point));
-#endif
-    (*accumulator).of_model += response_from_behind(point, L) * strength * color_range.rgb;
 }
 #endif

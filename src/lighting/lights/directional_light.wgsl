@@ -22,6 +22,9 @@
 #ifndef FORWARD_MESH
 #import bevy_lean_deferred::gbuffer::layout::{unpack_has_mesh_normal, unpack_normal}
 #import bevy_lean_deferred::lighting::surface::{Pixel, position_at, shadow_normal}
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#import bevy_lean_deferred::lighting::surface::{back_receives_shadows, thickness_of}
+#endif
 #ifdef CLUSTERED_DECALS_ARE_USABLE
 #import bevy_pbr::clustered_forward::{
     unpack_clusterable_object_index_ranges, view_fragment_cluster_index,
@@ -117,7 +120,8 @@ fn visibility_of(shadows: ptr<function, DirectionalShadows>, id: u32) -> f32 {
 }
 
 /// Must be called before other terms of the surface are computed: sampling takes many registers, so that little else should be
-/// live. Shadow maps of lights that cannot reach the surface are not sampled.
+/// live. Shadow maps of lights that cannot reach the surface are not sampled. Those of lights behind a surface that transmits light
+/// are sampled at its back.
 fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShadows>) {
     let in_view = position_at(pixel.position, pixel.depth);
     let position = (view_bindings::view.world_from_view * vec4(in_view, 1.0)).xyz;
@@ -148,14 +152,28 @@ fn find_directional_shadows(pixel: Pixel, shadows: ptr<function, DirectionalShad
         }
         is_before = is_before || may_turn;
 #endif
-        if !is_before {
+        var is_behind = false;
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#ifndef CLUSTERED_DECALS_ARE_USABLE
+        is_behind = dot(N, L) < 0.0 && back_receives_shadows(pixel);
+#endif
+#endif
+        if !is_before && !is_behind {
             continue;
         }
         if !knows_normal {
             normal = shadow_normal(pixel.position, pixel.depth, N);
             knows_normal = true;
         }
-        set_visibility(shadows, id, directional_shadow(id, position, normal, in_view.z, pixel.position));
+        var place = position;
+        var outward = normal;
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+        if is_behind {
+            place -= normal * thickness_of(pixel);
+            outward = -normal;
+        }
+#endif
+        set_visibility(shadows, id, directional_shadow(id, place, outward, in_view.z, pixel.position));
     }
 }
 
@@ -201,7 +219,7 @@ fn add_directional_lights(
         }
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
         if adds_diffuse && transmits(point) && dot((*point).N, L) < 0.0 {
-            add_transmitted_directional_light(point, id, L, accumulator);
+            add_transmitted_directional_light(point, id, L, shadows, accumulator);
         }
 #endif
     }
@@ -260,18 +278,40 @@ fn add_directional_light(
 }
 
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+#ifdef DIRECTIONAL_SHADOW_MAPS
+fn sampled_back_shadow_at(point: ptr<function, ShadingPoint>, id: u32) -> f32 {
+    if !has_shadow_map(id) {
+        return 1.0;
+    }
+    let normal = -geometric_normal(point);
+    return directional_shadow(id, back_position(point), normal, (*point).view_z, (*point).pixel);
+}
+
+/// Visibility of the light at the back.
+fn back_shadow_at(point: ptr<function, ShadingPoint>, id: u32, shadows: ptr<function, DirectionalShadows>) -> f32 {
+#ifdef FORWARD_MESH
+    return sampled_back_shadow_at(point, id);
+#else ifdef CLUSTERED_DECALS_ARE_USABLE
+    // Decals decide which side the light is on.
+    return sampled_back_shadow_at(point, id);
+#else
+    return visibility_of(shadows, id);
+#endif
+}
+#endif
+
 /// Like `add_directional_light`, for light on the back.
 fn add_transmitted_directional_light(
     point: ptr<function, ShadingPoint>,
     id: u32,
     L: vec3<f32>,
+    shadows: ptr<function, DirectionalShadows>,
     accumulator: ptr<function, LightAccumulator>,
 ) {
     var shadow = 1.0;
 #ifdef DIRECTIONAL_SHADOW_MAPS
-    if (*point).back_receives_shadows && has_shadow_map(id) {
-        let normal = -geometric_normal(point);
-        shadow = directional_shadow(id, back_position(point), normal, (*point).view_z, (*point).pixel);
+    if (*point).back_receives_shadows {
+        shadow = back_shadow_at(point, id, shadows);
     }
 #endif
     let color = color_at(id, back_position(point));

@@ -30,6 +30,10 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::bitangent_at
 #endif
 
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+#import bevy_lean_deferred::lighting::lights::shading_point::view_fresnel
+#endif
+
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
@@ -164,7 +168,7 @@ fn scattered(point: ptr<function, ShadingPoint>, F0: vec3<f32>) -> Scattered {
 #ifdef STANDARD_MATERIAL_CLEARCOAT
 /// Share of mirrored light that the coat reflects.
 fn coat_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
-    return (0.04 + 0.96 * (*point).view_fresnel) * (*point).clearcoat;
+    return (0.04 + 0.96 * view_fresnel(point)) * (*point).clearcoat;
 }
 #endif
 

@@ -42,8 +42,9 @@ fn no_screen_space_light(material_visibility: vec3<f32>) -> ScreenSpaceLight {
 }
 
 #ifndef FORWARD_MESH
-fn screen_space_light(pixel: Pixel, material_visibility: vec3<f32>) -> ScreenSpaceLight {
-    var found = no_screen_space_light(material_visibility);
+/// Without the material's own occlusion.
+fn screen_space_light(pixel: Pixel) -> ScreenSpaceLight {
+    var found = no_screen_space_light(vec3(1.0));
 #ifdef INDIRECT_LIGHT
     let place = pixel.position - vec2<i32>(uniforms.viewport_origin);
 #endif

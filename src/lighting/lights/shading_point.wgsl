@@ -11,7 +11,7 @@
 #ifndef FORWARD_MESH
 #import bevy_lean_deferred::lighting::surface::Pixel
 #ifdef GEOMETRIC_NORMAL
-#import bevy_lean_deferred::gbuffer::layout::unpack_has_mesh_normal
+#import bevy_lean_deferred::gbuffer::layout::{pack_direction, unpack_direction, unpack_has_mesh_normal}
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::shadow_normal
 #endif
@@ -37,14 +37,14 @@ struct ShadingPoint {
     V: vec3<f32>,
     /// 0.0001 to 1.
     NdotV: f32,
-    perceptual_roughness: f32,
     /// Square of `perceptual_roughness`, clamped like Bevy's.
     roughness: f32,
+    // Terms that loops over lights do not read: see `set_material`.
+    perceptual_roughness: f32,
     metallic: f32,
     F0_dielectric: vec3<f32>,
     F0_metallic: vec3<f32>,
     F_ab: vec2<f32>,
-    // Colours: see `set_colors`.
     diffuse_color: vec3<f32>,
     F_normal: vec3<f32>,
     F_grazing: f32,
@@ -52,17 +52,17 @@ struct ShadingPoint {
     multiscatter: vec3<f32>,
     /// Light that is scattered again, per light that is reflected at a reflectance of 1.
     scattered_again: f32,
-    /// (1 - N·V)⁵
-    view_fresnel: f32,
-    /// `smith` of the view direction.
-    view_smith: f32,
     /// N·V before clamping: may be negative, or above 1 by rounding.
     signed_NdotV: f32,
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
-    knows_geometric_normal: bool,
-    /// Valid if `knows_geometric_normal`, and where light is transmitted.
+#ifdef FORWARD_MESH
+    /// Interpolated, as Bevy has it: not of unit length.
     geometric_normal: vec3<f32>,
+#else
+    /// Packed, so that loops over lights keep one register; 0 if it is not computed yet.
+    geometric_normal_word: u32,
+#endif
 #endif
 #ifdef LIGHTMAPPED_SURFACES
     is_lightmapped: bool,
@@ -107,6 +107,17 @@ fn smith(roughness: f32, cosine: f32) -> f32 {
     return sqrt((cosine - square * cosine) * cosine + square);
 }
 
+/// N·V, 0.0001 to 1.
+fn view_cosine(point: ptr<function, ShadingPoint>) -> f32 {
+    // Bevy has no upper bound, but roots and powers of 1 - N·V are NaN for N·V above 1.
+    return clamp((*point).signed_NdotV, 0.0001, 1.0);
+}
+
+/// (1 - N·V)⁵
+fn view_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
+    return fifth_power(1.0 - view_cosine(point));
+}
+
 /// The terms that follow from `pbr` alone.
 fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     let material = pbr.material;
@@ -114,24 +125,10 @@ fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     point.position = pbr.world_position.xyz;
     point.view_z = view_z;
     point.N = pbr.N;
-#ifdef GEOMETRIC_NORMAL
-    // Decals change `pbr.N` alone.
-    point.geometric_normal = pbr.world_normal;
-#endif
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
-    // Bevy has no upper bound, but roots and powers of 1 - N·V are NaN for N·V above 1.
-    point.NdotV = clamp(point.signed_NdotV, 0.0001, 1.0);
-    point.perceptual_roughness = material.perceptual_roughness;
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
-    point.metallic = material.metallic;
-    point.F0_dielectric = calculate_F0_dielectric(material.reflectance);
-    point.F0_metallic = material.base_color.rgb;
-    point.F_ab = F_AB(material.perceptual_roughness, point.NdotV);
-    point.scattered_again = 1.0 / (point.F_ab.x + point.F_ab.y) - 1.0;
-    set_colors(&point, material);
-    point.view_fresnel = fifth_power(1.0 - point.NdotV);
-    point.view_smith = smith(point.roughness, point.NdotV);
+    set_material(&point, material);
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     point.clearcoat = material.clearcoat;
@@ -158,8 +155,15 @@ fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     return point;
 }
 
-/// Sets the colours of the surface. Direct light reads them after the loops over lights only.
-fn set_colors(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
+/// Sets the terms of the surface that loops over point, spot and directional lights do not read.
+fn set_material(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
+    (*point).perceptual_roughness = material.perceptual_roughness;
+    (*point).metallic = material.metallic;
+    (*point).F0_dielectric = calculate_F0_dielectric(material.reflectance);
+    (*point).F0_metallic = material.base_color.rgb;
+    (*point).NdotV = view_cosine(point);
+    (*point).F_ab = F_AB(material.perceptual_roughness, (*point).NdotV);
+    (*point).scattered_again = 1.0 / ((*point).F_ab.x + (*point).F_ab.y) - 1.0;
     (*point).diffuse_color = calculate_diffuse_color(
         material.base_color.rgb,
         material.metallic,
@@ -177,18 +181,6 @@ fn set_colors(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
 #endif
 }
 
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-/// Sets the geometric normal of a surface that transmits light, which `back_position` reads.
-fn set_normal_of_back(point: ptr<function, ShadingPoint>) {
-#ifdef GEOMETRIC_NORMAL
-    if transmits(point) {
-        let normal = geometric_normal(point);
-        (*point).geometric_normal = normal;
-    }
-#endif
-}
-#endif
-
 #ifdef FORWARD_MESH
 /// A point on a mesh that Bevy's passes draw: the pipeline is compiled for its material alone, and its normal is interpolated.
 fn shading_point(pbr: PbrInput, view_z: f32) -> ShadingPoint {
@@ -196,16 +188,13 @@ fn shading_point(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     point.pixel = vec2<i32>(pbr.frag_coord.xy);
     point.depth = pbr.frag_coord.z;
 #ifdef GEOMETRIC_NORMAL
-    point.knows_geometric_normal = true;
+    point.geometric_normal = pbr.world_normal;
 #endif
 #ifdef LIGHTMAPPED_SURFACES
     point.is_lightmapped = true;
 #endif
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     point.is_anisotropic = true;
-#endif
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    set_normal_of_back(&point);
 #endif
     return point;
 }
@@ -216,7 +205,10 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
     point.pixel = pixel.position;
     point.depth = pixel.depth;
 #ifdef GEOMETRIC_NORMAL
-    point.knows_geometric_normal = unpack_has_mesh_normal(pixel.surface_word);
+    if unpack_has_mesh_normal(pixel.surface_word) {
+        // Decals change `pbr.N` alone.
+        point.geometric_normal_word = pack_direction(pbr.world_normal);
+    }
 #endif
 #ifdef LIGHTMAPPED_SURFACES
     point.is_lightmapped = has_lightmap(pixel);
@@ -224,9 +216,6 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     let model = specialization::unpack_shading_model(pixel.specialization_word);
     point.is_anisotropic = model == specialization::ANISOTROPY;
-#endif
-#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    set_normal_of_back(&point);
 #endif
     return point;
 }
@@ -239,11 +228,7 @@ fn transmits(point: ptr<function, ShadingPoint>) -> bool {
 
 /// Point where light from behind enters a surface that transmits light.
 fn back_position(point: ptr<function, ShadingPoint>) -> vec3<f32> {
-#ifdef GEOMETRIC_NORMAL
-    return (*point).position - (*point).geometric_normal * (*point).thickness;
-#else
-    return (*point).position - (*point).N * (*point).thickness;
-#endif
+    return (*point).position - geometric_normal(point) * (*point).thickness;
 }
 #endif
 
@@ -263,7 +248,6 @@ fn bitangent_at(point: ptr<function, ShadingPoint>) -> vec3<f32> {
 #endif
 
 #ifdef FORWARD_MESH
-/// The interpolated normal, as Bevy has it: not of unit length.
 fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
     return (*point).geometric_normal;
@@ -277,11 +261,10 @@ fn geometric_normal(point: ptr<function, ShadingPoint>) -> vec3<f32> {
     if !parts::has(parts::SHADOW_MAPS) {
         return (*point).N;
     }
-    if !(*point).knows_geometric_normal {
-        (*point).geometric_normal = shadow_normal((*point).pixel, (*point).depth, (*point).N);
-        (*point).knows_geometric_normal = true;
+    if (*point).geometric_normal_word == 0u {
+        (*point).geometric_normal_word = pack_direction(shadow_normal((*point).pixel, (*point).depth, (*point).N));
     }
-    return (*point).geometric_normal;
+    return unpack_direction((*point).geometric_normal_word);
 }
 #else
 /// Shading normal, because nothing casts shadows.

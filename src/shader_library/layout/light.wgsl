@@ -32,10 +32,19 @@ fn pack_light(color: vec3<f32>) -> u32 {
 
 /// Unpacks light from `pack_light`.
 fn unpack_light(word: u32) -> vec3<f32> {
+    return unpack_mantissas(word) * unpack_scale(word);
+}
+
+/// Light in units of `unpack_scale`.
+fn unpack_mantissas(word: u32) -> vec3<f32> {
     let mantissas = vec3(word & 0x1ffu, (word >> 9u) & 0x1ffu, (word >> 18u) & 0x1ffu);
     // As the lowest bits of 2²³: GPUs convert integers at a fraction of the rate at which they add.
-    let numbers = bitcast<vec3<f32>>(mantissas | vec3(0x4b000000u)) - 8388608.0;
-    return numbers * power_of_two(i32(word >> 27u) - 24);
+    return bitcast<vec3<f32>>(mantissas | vec3(0x4b000000u)) - 8388608.0;
+}
+
+/// A power of two.
+fn unpack_scale(word: u32) -> f32 {
+    return power_of_two(i32(word >> 27u) - 24);
 }
 
 /// Packs four half floats.
