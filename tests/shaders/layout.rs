@@ -124,7 +124,7 @@ fn surface_codes(word: u32) -> [u32; 7] {
 
 /// Largest code of occlusion beside this code of metallic.
 fn occlusion_code_max(metallic: u32) -> u32 {
-    if metallic % METALLIC_CODE_MAX == 0 {
+    if metallic == 0 || metallic == METALLIC_CODE_MAX {
         55
     } else {
         15

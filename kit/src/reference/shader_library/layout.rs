@@ -68,7 +68,7 @@ pub fn albedo_scale(exponent: u32) -> f32 {
 
 /// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
 fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
-    let occlusion_of = |codes| quantize(occlusion, (codes - 1) as f32);
+    let occlusion_of = |codes: u32| quantize(occlusion, (codes - 1) as f32);
     match quantize(metallic, METALLIC_MAX) {
         0 => occlusion_of(PURE_CODES),
         m if m == METALLIC_MAX as u32 => PURE_CODES + occlusion_of(PURE_CODES),
