@@ -55,14 +55,17 @@ impl Shot {
     /// Notes the errors against `reference`, a shot of the same view.
     pub fn compare_with(&mut self, reference: &Self) {
         let difference = pixel_difference(&reference.picture, &self.picture);
-        // Infinite for equal pictures, which JSON cannot express.
-        let finite = |psnr: f64| psnr.is_finite().then_some(psnr);
         self.figures.psnr = finite(difference.psnr);
         self.figures.off_by_8 = Some(difference.off_by_8);
         let frames = reference.walk.iter().zip(&self.walk);
         let worst = frames.map(|(theirs, own)| pixel_difference(theirs, own).psnr);
         self.figures.walk_psnr = worst.min_by(f64::total_cmp).and_then(finite);
     }
+}
+
+/// `None` for equal pictures: JSON cannot express infinity.
+fn finite(psnr: f64) -> Option<f64> {
+    psnr.is_finite().then_some(psnr)
 }
 
 /// Measures the views of `path` or, without it, those of the level.
