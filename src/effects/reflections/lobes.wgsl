@@ -21,8 +21,9 @@ fn shift_of(phase: u32) -> vec2<f32> {
     return vec2((parts.x - 0.375) / 16.0, parts.y);
 }
 
-/// The lobes of the last frame at a place in it; 0 if it showed another surface there.
-fn lobes_at(place: LastPlace) -> vec4<u32> {
+/// The lobes of the last frame at a place in it; 0 if it showed another surface there. `offset` is that from a texel's coordinates to
+/// its ray's begin, in pixels.
+fn lobes_at(place: LastPlace, offset: vec2<f32>) -> vec4<u32> {
     let is_inside = all(place.at >= vec2(0.0)) && all(place.at < view.last_viewport_size);
     let kept = textureLoad(history_texture, vec2<i32>(place.at), 0).a * view.metres_per_unit;
     let weight = weight_of_match(kept, place.expected.x, place.expected.y, place.tolerance);
@@ -32,20 +33,22 @@ fn lobes_at(place: LastPlace) -> vec4<u32> {
     // The nearest: each texel keeps its own directions.
     let side = f32(view.divisor);
     let last = ceil(view.last_viewport_size / side) - 1.0;
-    return textureLoad(lobes_texture, vec2<i32>(min(floor((place.at - 0.5) / side + 0.5), last)), 0);
+    let texel = clamp(floor((place.at - offset) / side + 0.5), vec2(0.0), last);
+    return textureLoad(lobes_texture, vec2<i32>(texel), 0);
 }
 
-/// The lobes of the last frames of the surface at a pixel.
-fn last_lobes(pixel: vec2<i32>, depth: f32) -> vec4<u32> {
+/// The lobes of the last frames of the surface of a texel, whose ray begins at a pixel.
+fn last_lobes(texel: vec2<i32>, pixel: vec2<i32>, depth: f32) -> vec4<u32> {
     if view.has_lobes == 0u || view.exposure_ratio == 0.0 {
         return vec4(0u);
     }
     let seen = vec3(vec2<f32>(pixel) + 0.5, depth);
     let position = view_position(seen.xy, depth);
-    var lobes = lobes_at(last_place(seen, position));
+    let offset = vec2<f32>(pixel - texel * view.divisor) + 0.5;
+    var lobes = lobes_at(last_place(seen, position), offset);
     if lobes.w == 0u && view.has_motion == 0u && view.carries_surfaces != 0u {
         let at = seen.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
-        lobes = lobes_at(LastPlace(at, vec2(-position.z), step_at(-position.z, SAME_SURFACE)));
+        lobes = lobes_at(LastPlace(at, vec2(-position.z), step_at(-position.z, SAME_SURFACE)), offset);
     }
     if view.exposure_ratio != 1.0 {
         for (var i = 0; i < 3; i++) {

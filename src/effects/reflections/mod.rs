@@ -53,7 +53,7 @@ pub use settings::{LeanScreenSpaceReflections, LeanScreenSpaceReflectionsAdvance
 pub use {
     active::ActiveReflections,
     pipelines::PASSES,
-    prepare::{ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
+    prepare::{PHASES, ReflectionBindings, ViewReflections, WORKGROUP_SIDE},
     uniforms::ReflectionUniform,
 };
 

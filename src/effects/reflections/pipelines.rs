@@ -71,7 +71,7 @@ pub const PASSES: [ComputePass; 4] = [
         shader: |assets| load_embedded_asset!(assets, "spatial_filter.wgsl"),
         entry: "main",
         defs: &["SPATIAL_FILTER"],
-        key_defs: &["PROJECTION_ORTHOGRAPHIC"],
+        key_defs: &["PROJECTION_PERSPECTIVE", "PROJECTION_ORTHOGRAPHIC"],
         reads: &[
             VIEW,
             MOTION_TEXTURE,

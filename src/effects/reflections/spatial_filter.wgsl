@@ -99,7 +99,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         var lobe = lobe_at(made, length(view_position(vec2<f32>(pixel) + 0.5, depth)));
         var lobes = vec4(0u);
         if unpack_halves(normals[made]).w > ROUGH {
-            let last = last_lobes(pixel, depth);
+            let last = last_lobes(texel, pixel, depth);
             lobes = with_lobe(last, lobe);
             lobe = mean_lobe(last, lobes);
         }

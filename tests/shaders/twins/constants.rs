@@ -98,6 +98,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         SURFACE, WEIGHT_SHIFT, LARGEST_WEIGHT, FURTHEST, NEAREST
     });
     constants!("shader_library/cell.wgsl": cell::{FIRST});
+    constants!("effects/reflections/lobes.wgsl": reflections::{PHASES});
     constants!("effects/reflections/texels.wgsl": reflections::{WORKGROUP_SIDE});
     constants!("effects/subsurface/profile.wgsl": profile::{REACH, SHORTEST});
     found
