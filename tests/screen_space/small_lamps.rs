@@ -73,7 +73,7 @@ fn unevenness(
             }
         }
     }
-    assert!(off.len() > 2000, "{} pixels are compared", off.len());
+    assert!(off.len() > 500, "{} pixels are compared", off.len());
     let squares: f32 = off.iter().map(|off| off * off).sum();
     Unevenness {
         rms: (squares / off.len() as f32).sqrt(),
