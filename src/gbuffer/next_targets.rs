@@ -13,7 +13,6 @@ use super::{
     registration::MaterialShaders,
     specialize::GBufferPipeline,
 };
-use crate::view::GBufferTargets;
 
 impl Sorter<'_, '_, '_, '_, '_, '_> {
     /// The pipeline that draws a mesh; also requested while lighting for it is not compiled.
@@ -35,24 +34,6 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         } else {
             GBufferPipeline::Pending(None)
         }
-    }
-
-    /// The pipeline that draws a mesh as if it did not move, if it is compiled: its pixels move with the camera alone until
-    /// the pipeline that writes its motion vectors is compiled. `None` if the mesh deforms, or needs no motion vectors.
-    pub(super) fn still_pipeline(
-        &mut self,
-        entity: MainEntity,
-        mesh: &MeshToQueue,
-        shaders: &MaterialShaders,
-        mut demand: MeshDemand,
-    ) -> Option<(MeshOutput, GBufferPipeline)> {
-        if mesh.deforms || !demand.demand.targets.contains(GBufferTargets::MOTION) {
-            return None;
-        }
-        demand.demand.targets -= GBufferTargets::MOTION;
-        let placement = Placement::of(demand, self.active?);
-        let pipeline = self.pipeline(entity, mesh, shaders, placement);
-        matches!(pipeline, GBufferPipeline::Ready(_)).then_some((placement.output, pipeline))
     }
 
     /// Requests the pipeline that draws a mesh once the view has its next targets, which wait for it if the mesh is

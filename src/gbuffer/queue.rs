@@ -292,16 +292,8 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         let placement = Placement::of(demand, active);
-        let mut output = placement.output;
-        let mut pipeline = self.pipeline(entity, &mesh, shaders, placement);
-        if matches!(pipeline, GBufferPipeline::Pending(_))
-            && let Some(still) = self.still_pipeline(entity, &mesh, shaders, demand)
-        {
-            (output, pipeline) = still;
-            if placement.is_met() {
-                self.look_again.push(entity);
-            }
-        }
+        let output = placement.output;
+        let pipeline = self.pipeline(entity, &mesh, shaders, placement);
         let is_drawn = matches!(pipeline, GBufferPipeline::Ready(_));
         self.prepare(entity, &mesh, shaders, demand, output, is_drawn);
         if let GBufferPipeline::Ready(id) | GBufferPipeline::Failed(Some(id)) = pipeline {

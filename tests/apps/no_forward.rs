@@ -159,17 +159,6 @@ fn meshes_stay_lean_when_motion_vectors_come_and_go() {
     });
 }
 
-#[test]
-fn meshes_stay_lean_when_they_begin_to_move() {
-    in_own_process(|| {
-        for coated in [false, true] {
-            let mut stage = Stage::new(coated, (DepthPrepass, MotionVectorPrepass));
-            stage.watch("at rest", 4, 0);
-            stage.change("motion", 0, |stage| stage.moves = true);
-        }
-    });
-}
-
 /// All meshes then clear the valid mask, from the frame on in which there is an optional target.
 #[test]
 fn two_phase_culling_keeps_meshes_lean() {
