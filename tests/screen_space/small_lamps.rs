@@ -73,7 +73,7 @@ fn unevenness(
             }
         }
     }
-    assert!(off.len() > 500, "{} pixels are compared", off.len());
+    assert!(off.len() > 300, "{} pixels are compared", off.len());
     let squares: f32 = off.iter().map(|off| off * off).sum();
     Unevenness {
         rms: (squares / off.len() as f32).sqrt(),
@@ -88,13 +88,13 @@ fn check_lamps(lamps: impl IntoIterator<Item = (f32, f32, LeanQuality, [f32; 2])
         let seen = lamp(&mut headless, radius, light, quality);
         seen.save(&format!("lamp_{radius}_{light}_{quality:?}"), 8.0 / light);
         // Screen-space light ends where half of the picture's height does.
-        let is_reached = |place: Vec3| place.distance(LAMP) + radius < 0.85;
+        let is_reached = |place: Vec3, most: f32| place.distance(LAMP) + radius < most;
         let on_floor = unevenness(&seen, Vec3::ZERO, Vec3::Y, |place, off_lamp| {
-            place.z > 0.02 && off_lamp > 1.5 * radius.max(0.1) && is_reached(place)
+            place.z > 0.02 && off_lamp > 1.5 * radius.max(0.1) && is_reached(place, 0.85)
         });
         let on_wall = unevenness(&seen, Vec3::Z * WALL, Vec3::Z, |place, off_lamp| {
             let is_wall = (0.03..1.45).contains(&place.y);
-            is_wall && off_lamp > 2.5 * radius.max(0.1) && is_reached(place)
+            is_wall && off_lamp > 2.5 * radius.max(0.1) && is_reached(place, 1.2)
         });
         println!(
             "{radius} m, light {light}, {quality:?}: floor {on_floor:.3?}, wall {on_wall:.3?}"
