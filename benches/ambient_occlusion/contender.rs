@@ -20,8 +20,6 @@ pub struct Contender {
     /// Renders with this crate rather than with Bevy's forward renderer.
     pub lean: bool,
     pub occlusion: Option<Kind>,
-    /// Timed before a floor with this radius in pixels, in place of the boxes; errors are not measured.
-    pub radius: Option<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -39,7 +37,6 @@ impl Contender {
             name,
             lean,
             occlusion: kind,
-            radius: None,
         };
         let mut all = vec![of("lean camera, none".into(), true, None)];
         all.extend(LeanQuality::ALL.map(|quality| {
@@ -116,17 +113,6 @@ impl Contender {
                     ..base
                 },
             ),
-        ]);
-        for radius in [58, 115, 230, 461, 922] {
-            all.extend([LeanQuality::Medium, LeanQuality::High].map(|quality| {
-                let settings = LeanScreenSpaceAmbientOcclusion { quality, ..base };
-                Self {
-                    radius: Some(radius),
-                    ..more(&format!("{quality:?}, {radius} pixels"), true, settings)
-                }
-            }));
-        }
-        all.extend([
             of("forward camera, none".into(), false, None),
             more("Medium, blend", false, base),
             more(
@@ -241,18 +227,12 @@ impl Contender {
                     (true, false, true) => 24.0 + 4.0,
                 };
                 let filter_texels = if wide { 36.0 } else { 16.0 };
-                // The depths at corners of cells, once written and once read.
-                let far_depths = match settings.advanced.kernel {
-                    OcclusionKernel::Hbao => 2.0 * 4.0 / 16.0,
-                    OcclusionKernel::Hdao => 0.0,
-                };
                 // A texel has one byte, once written and once read.
-                let own = share * 2.0 + far_depths + blend;
+                let own = share * 2.0 + blend;
                 Bytes {
                     compulsory: own,
                     compulsory_with_depth: own + share * (4.0 + normal) + 4.0,
                     fetched: share * (1.0 + 4.0 * samples + normal)
-                        + far_depths
                         + filter_texels
                         + 4.0 * filter_depths
                         + merge_depth

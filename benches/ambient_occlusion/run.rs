@@ -39,12 +39,12 @@ pub fn measure(
     args: &Args,
     truths: &mut Truths,
 ) -> Measurement {
-    let timed = match contender.radius {
-        Some(pixels) => BenchScene::floor_of_radius(pixels),
-        None if args.small => BenchScene::Boxes(Boxes::small(32)),
-        None => BenchScene::Boxes(Boxes::full(64)),
+    let boxes = if args.small {
+        BenchScene::Boxes(Boxes::small(32))
+    } else {
+        BenchScene::Boxes(Boxes::full(64))
     };
-    let mut headless = app(contender, timed, size, false);
+    let mut headless = app(contender, boxes, size, false);
     headless.settle();
     headless.frames(args.warm_up);
     let mut samples = Samples::default();
@@ -72,16 +72,13 @@ pub fn measure(
         Some(occlusion)
     };
     let mut errors = |scene: BenchScene| {
-        if contender.radius.is_some() {
-            return None;
-        }
         let shown = shown(scene)?;
         let (truth, mask) = truths
             .entry((scene.name(), size))
             .or_insert_with(|| scene.truth(size).expect("these scenes have a closed form"));
         Some(Errors::measure(&shown, truth, mask))
     };
-    let occluded = shown(timed).map_or(0.0, |occlusion| {
+    let occluded = shown(boxes).map_or(0.0, |occlusion| {
         let some = occlusion.iter().filter(|o| **o > 0.0).count();
         some as f64 / occlusion.len() as f64
     });
@@ -96,8 +93,7 @@ pub fn measure(
             .iter()
             .filter_map(|name| samples.time(name))
             .collect(),
-        // The floor has no camera without occlusion to compare with.
-        lighting: (samples.time("lean_deferred/lighting")).filter(|_| contender.radius.is_none()),
+        lighting: samples.time("lean_deferred/lighting"),
         prepass: samples.time(PREPASS),
         camera: samples.time(CAMERA),
         bytes: contender.bytes(occluded),

@@ -1,7 +1,5 @@
 //! The scenes: one to time, and two whose occlusion is known.
 
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_8};
-
 use bevy::{light::AmbientLight, math::DVec3, prelude::*};
 
 use kit::{
@@ -26,23 +24,14 @@ pub enum BenchScene {
     Wall,
     /// A floor that reaches from 3 m to 100 m.
     Plane,
-    /// A floor seen at 45 degrees, its middle this many metres away.
-    Floor(f64),
 }
 
 impl BenchScene {
-    /// A floor in whose middle [`RADIUS`] covers this many pixels, in a picture of 2160 rows; in others, the same share of the height.
-    pub fn floor_of_radius(pixels: u32) -> Self {
-        let pixels_per_metre = 0.5 * 2160.0 / FRAC_PI_8.tan();
-        Self::Floor(RADIUS * pixels_per_metre / f64::from(pixels))
-    }
-
     pub fn name(self) -> &'static str {
         match self {
             Self::Boxes(_) => "boxes",
             Self::Wall => "wall",
             Self::Plane => "plane",
-            Self::Floor(_) => "floor",
         }
     }
 
@@ -63,14 +52,6 @@ impl BenchScene {
                 },
                 DVec3::new(0.0, 2.0, 0.0),
                 DVec3::new(0.0, 0.0, -6.0),
-            )),
-            Self::Floor(distance) => Some((
-                Geometry::Plane {
-                    point: DVec3::ZERO,
-                    normal: DVec3::Y,
-                },
-                DVec3::new(0.0, FRAC_1_SQRT_2 * distance, FRAC_1_SQRT_2 * distance),
-                DVec3::ZERO,
             )),
         }
     }

@@ -12,16 +12,12 @@ use bevy::{
 };
 use bevy_lean_deferred::effects::ambient_occlusion::{
     LeanScreenSpaceAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
-    far_depths::cells,
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
-use shaders::{
-    debug_view, far_depths, filter_definitions, gather, gather_definitions, reads_far_depths,
-    shares_depths,
-};
+use shaders::{debug_view, filter_definitions, gather, gather_definitions, shares_depths};
 
-use super::{gpu, wgsl::Definitions};
+use super::gpu;
 
 /// A depth buffer and its projection.
 pub struct DepthImage {
@@ -49,8 +45,6 @@ pub struct Occlusion {
     pub gathered: Vec<f32>,
     /// After the filter and `intensity`: at the size of the viewport.
     pub filtered: Vec<f32>,
-    /// Depths at corners of cells, where the gather reads them.
-    pub far_depths: Option<Vec<f32>>,
 }
 
 /// The gather's two entry points.
@@ -146,26 +140,14 @@ impl OcclusionGpu {
             },
         ];
         let mut defs = gather_definitions(settings, image.clip_from_view);
-        let has_far_depths = path == Path::Compute && reads_far_depths(settings, &view);
-        let far = has_far_depths.then(|| self.make_far_depths(&mut encoder, &common[..2], size));
-        let far_view = far.as_ref().map(|far| far.create_view(&Default::default()));
         match path {
             Path::Compute => {
                 defs.insert("COMPUTE".into(), ShaderDefValue::Bool(true));
                 if shares_depths(settings) {
                     defs.insert("SHARED_DEPTHS".into(), ShaderDefValue::Bool(true));
                 }
+                let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(format), false);
                 let mut entries = common.to_vec();
-                if let Some(view) = &far_view {
-                    defs.insert("FAR_DEPTHS".into(), ShaderDefValue::Bool(true));
-                    entries.push(wgpu::BindGroupEntry {
-                        binding: numbers::FAR_DEPTHS,
-                        resource: wgpu::BindingResource::TextureView(view),
-                    });
-                }
-                let read = has_far_depths.then_some(numbers::FAR_DEPTHS);
-                let output = Some((numbers::OUTPUT_TEXTURE, format));
-                let layout = self.layout(wgpu::ShaderStages::COMPUTE, output, read);
                 entries.push(wgpu::BindGroupEntry {
                     binding: numbers::OUTPUT_TEXTURE,
                     resource: wgpu::BindingResource::TextureView(&stored_view),
@@ -188,7 +170,7 @@ impl OcclusionGpu {
                 pass.dispatch_workgroups(tiles.x, tiles.y, 1);
             }
             Path::Raster => {
-                let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, None);
+                let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, false);
                 let group = self.group(&layout, &common);
                 self.draw(
                     &mut encoder,
@@ -206,8 +188,7 @@ impl OcclusionGpu {
             wgpu::TextureFormat::R32Float,
             Usage::RENDER_ATTACHMENT | Usage::COPY_SRC,
         );
-        let read = Some(numbers::OCCLUSION_TEXTURE);
-        let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, read);
+        let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, true);
         let mut entries = common.to_vec();
         entries.push(wgpu::BindGroupEntry {
             binding: numbers::OCCLUSION_TEXTURE,
@@ -234,53 +215,6 @@ impl OcclusionGpu {
         Occlusion {
             gathered: self.read(&stored),
             filtered,
-            far_depths: far.map(|far| self.read(&far)),
         }
-    }
-
-    /// Runs the pass that copies depths at corners of cells. `common` has the view and the depth.
-    fn make_far_depths(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        common: &[wgpu::BindGroupEntry],
-        viewport_size: UVec2,
-    ) -> wgpu::Texture {
-        use wgpu::TextureUsages as Usage;
-        let format = wgpu::TextureFormat::R32Float;
-        let size = cells(viewport_size);
-        let far = self.texture(
-            size,
-            format,
-            Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC,
-        );
-        let output = far.create_view(&Default::default());
-        let mut entries = common.to_vec();
-        entries.push(wgpu::BindGroupEntry {
-            binding: numbers::NEAREST_SAMPLER,
-            resource: wgpu::BindingResource::Sampler(&self.nearest),
-        });
-        entries.push(wgpu::BindGroupEntry {
-            binding: numbers::FAR_DEPTHS_OUTPUT,
-            resource: wgpu::BindingResource::TextureView(&output),
-        });
-        let stored = Some((numbers::FAR_DEPTHS_OUTPUT, format));
-        let layout = self.layout(wgpu::ShaderStages::COMPUTE, stored, None);
-        let group = self.group(&layout, &entries);
-        let pipeline = self
-            .device
-            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: None,
-                layout: Some(&self.pipeline_layout(&layout)),
-                module: &self.shader(&far_depths(), Definitions::new()),
-                entry_point: Some("main"),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        let tiles = size.map(|n| n.div_ceil(8));
-        pass.dispatch_workgroups(tiles.x, tiles.y, 1);
-        far
     }
 }

@@ -32,23 +32,3 @@ fn rounded(start: Start, direction: vec2<f32>, distance: f32) -> Rounded {
     let sum = fma(direction, vec2(distance), start.added);
     return Rounded(bitcast<vec2<i32>>(sum) + start.origin, sum - start.taken_off);
 }
-
-/// Side of a cell in pixels.
-const CELL_SIDE: i32 = 4;
-/// As `ROUNDER`, for multiples of `CELL_SIDE`: its lowest bits have the number of the cell.
-const CELL_ROUNDER: f32 = 50331648.0;
-
-/// Corner of a cell.
-struct CellCorner {
-    cell: vec2<i32>,
-    /// Offset from the start, in pixels.
-    step: vec2<f32>,
-}
-
-/// Corner of a cell nearest to `distance` times `direction` from `start`. The steps are converted: to take `CELL_ROUNDER` off again as in
-/// `rounded` would need more registers.
-fn rounded_to_cell(start: vec2<i32>, direction: vec2<f32>, distance: f32) -> CellCorner {
-    let sum = fma(direction, vec2(distance), vec2<f32>(start)) + CELL_ROUNDER;
-    let cell = bitcast<vec2<i32>>(sum) - bitcast<i32>(CELL_ROUNDER);
-    return CellCorner(cell, vec2<f32>(CELL_SIDE * cell - start));
-}

@@ -3,7 +3,6 @@
 
 mod accuracy;
 mod edges;
-mod far;
 mod horizon;
 mod hostile;
 mod lean;

@@ -28,8 +28,6 @@ fn raster_and_compute_passes_agree() {
     for kernel in [OcclusionKernel::Hbao, OcclusionKernel::Hdao] {
         for resolution in LeanResolution::ALL {
             let settings = LeanScreenSpaceAmbientOcclusion {
-                // No march is far, where only the compute pass samples corners of cells.
-                radius: 0.3,
                 resolution,
                 advanced: Advanced {
                     kernel,

@@ -274,8 +274,8 @@ fn motion_resolve_permutations_validate() {
 #[test]
 fn occlusion_permutations_validate() {
     let values: [&[_]; 2] = [
-        &[("SLICES", 1), ("STEPS", 6), ("NEAR_STEPS", 1)],
-        &[("SLICES", 2), ("STEPS", 8), ("NEAR_STEPS", 2)],
+        &[("SLICES", 1), ("STEPS", 6)],
+        &[("SLICES", 2), ("STEPS", 8)],
     ];
     let gathers: [(_, &[_]); 2] = [
         (OCCLUSION_GATHER, &[]),
@@ -370,7 +370,7 @@ fn assert_all_tried(path: &str, pipeline: &str, tried: &HashSet<&str>) {
 
 #[test]
 fn every_definition_of_the_occlusion_shaders_is_tried() {
-    let values = ["SLICES", "STEPS", "NEAR_STEPS"];
+    let values = ["SLICES", "STEPS"];
     let tried = &(&tried(OCCLUSION_GATHER, &values) | &tried(OCCLUSION_MERGE, &[]))
         | &tried(OCCLUSION_GATHER_SHARED, &SHARES_DEPTHS);
     let keys = include_str!("../../src/effects/ambient_occlusion/key.rs");

@@ -22,8 +22,8 @@ impl OcclusionGpu {
     pub(super) fn layout(
         &self,
         stage: wgpu::ShaderStages,
-        output: Option<(u32, wgpu::TextureFormat)>,
-        read: Option<u32>,
+        output: Option<wgpu::TextureFormat>,
+        reads_occlusion: bool,
     ) -> wgpu::BindGroupLayout {
         use wgpu::BindingType as Type;
         let mut entries = vec![
@@ -51,12 +51,16 @@ impl OcclusionGpu {
                 Type::Sampler(wgpu::SamplerBindingType::NonFiltering),
             ),
         ];
-        if let Some(binding) = read {
-            entries.push(layout_entry(binding, stage, float_texture()));
-        }
-        if let Some((binding, format)) = output {
+        if reads_occlusion {
             entries.push(layout_entry(
-                binding,
+                numbers::OCCLUSION_TEXTURE,
+                stage,
+                float_texture(),
+            ));
+        }
+        if let Some(format) = output {
+            entries.push(layout_entry(
+                numbers::OUTPUT_TEXTURE,
                 stage,
                 Type::StorageTexture {
                     access: wgpu::StorageTextureAccess::WriteOnly,

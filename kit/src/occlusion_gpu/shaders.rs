@@ -4,10 +4,7 @@ use std::borrow::Cow;
 
 use bevy::math::Mat4;
 use bevy_lean_deferred::{
-    effects::ambient_occlusion::{
-        LeanScreenSpaceAmbientOcclusion, OcclusionKernel, OcclusionUniform,
-        far_depths::{FAR_RADIUS, near_steps},
-    },
+    effects::ambient_occlusion::{LeanScreenSpaceAmbientOcclusion, OcclusionKernel},
     shader_library::reconstruction::position::projection_of,
     view::LeanResolution,
 };
@@ -39,10 +36,6 @@ pub(super) fn gather() -> Cow<'static, str> {
     shader_file(&wgsl!("effects/ambient_occlusion/gather.wgsl"))
 }
 
-pub(super) fn far_depths() -> Cow<'static, str> {
-    shader_file(&wgsl!("effects/ambient_occlusion/far_depths.wgsl"))
-}
-
 pub(super) fn debug_view() -> Cow<'static, str> {
     shader_file(&wgsl!("effects/ambient_occlusion/debug_view.wgsl"))
 }
@@ -62,11 +55,7 @@ pub(super) fn gather_definitions(
     clip_from_view: Mat4,
 ) -> Definitions {
     let (slices, steps) = settings.samples();
-    let mut defs = numbers(&[
-        ("SLICES", slices),
-        ("STEPS", steps),
-        ("NEAR_STEPS", near_steps(steps)),
-    ]);
+    let mut defs = numbers(&[("SLICES", slices), ("STEPS", steps)]);
     let flags = [
         (settings.advanced.kernel == OcclusionKernel::Hdao, "HDAO"),
         (settings.thickness.is_some(), "THIN"),
@@ -80,14 +69,6 @@ pub(super) fn gather_definitions(
 /// True if the crate's compute pass loads depths once per workgroup.
 pub(super) fn shares_depths(settings: &LeanScreenSpaceAmbientOcclusion) -> bool {
     settings.advanced.kernel == OcclusionKernel::Hbao && settings.resolution == LeanResolution::Full
-}
-
-/// True if the crate's compute pass reads depths at corners of cells.
-pub(super) fn reads_far_depths(
-    settings: &LeanScreenSpaceAmbientOcclusion,
-    view: &OcclusionUniform,
-) -> bool {
-    settings.advanced.kernel == OcclusionKernel::Hbao && view.largest_radius() > FAR_RADIUS
 }
 
 /// Definitions of the crate's filter.

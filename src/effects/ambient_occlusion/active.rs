@@ -112,7 +112,8 @@ pub(super) fn request_lighting(
         }
         match wanted {
             Some(wanted) => {
-                let key = GatherKey::new(settings, true, computes, view);
+                let projection = projection_of(view.clip_from_view);
+                let key = GatherKey::new(settings, true, computes, projection);
                 let gather = pipelines.gather(&pipeline_cache, &watch, key);
                 let is_compiled = gather.is_some_and(|gather| gather.is_compiled(&pipeline_cache));
                 if current.is_none() || is_compiled {
@@ -170,7 +171,7 @@ pub(super) fn decide_active_occlusion(
         let projection = projection_of(view.clip_from_view);
         let computes = support.ambient_occlusion_by_compute.is_ok();
         let key_of = |settings: &LeanScreenSpaceAmbientOcclusion| {
-            GatherKey::new(settings, is_for_lighting, computes, view)
+            GatherKey::new(settings, is_for_lighting, computes, projection)
         };
         let asked = pipelines.gather(&pipeline_cache, &watch, key_of(&settings));
         // While that compiles, lighting applies occlusion by former settings, or none.
@@ -218,10 +219,7 @@ pub(super) fn decide_active_occlusion(
         };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        let ids = asked
-            .into_iter()
-            .chain(gather)
-            .flat_map(GatherPipeline::ids);
+        let ids = asked.into_iter().chain(gather).map(GatherPipeline::id);
         status.set_running(runs, watch.failure(ids.chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,

@@ -9,6 +9,4 @@ binding_numbers! {
     NORMAL_TEXTURE = 3,
     OUTPUT_TEXTURE = 4,
     OCCLUSION_TEXTURE = 5,
-    FAR_DEPTHS = 6,
-    FAR_DEPTHS_OUTPUT = 7,
 }

@@ -12,9 +12,6 @@
 #endif
 @group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
 @group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
-/// Depths at the corners of cells: of every fourth pixel of every fourth row of the view.
-@group(0) @binding(6) var far_depths: texture_2d<f32>;
-@group(0) @binding(7) var far_depths_output: texture_storage_2d<r32float, write>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {
     // Negative coordinates wrap to values above any size.

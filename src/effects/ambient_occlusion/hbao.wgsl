@@ -4,15 +4,11 @@
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::{
     depth_texture, direction_to_viewer, largest_side, radius_at, view,
 }
-#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal_of, tangents}
+#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
 #import bevy_lean_deferred::reconstruction::position::{homogeneous_steps, position_on, ray_at, ray_slope, w_at}
-#import bevy_lean_deferred::rounding::{rounded, start_at}
+#import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 
-#ifdef FAR_DEPTHS
-#import bevy_lean_deferred::effects::ambient_occlusion::bindings::far_depths
-#import bevy_lean_deferred::rounding::rounded_to_cell
-#endif
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::normal_texture
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
@@ -22,17 +18,14 @@
 const SLICES: u32 = #{SLICES}u;
 const STEPS: u32 = #{STEPS}u;
 
-/// Largest radius in pixels whose samples are all read at their pixels; of larger ones, most are read at the nearest corner of a cell of
-/// `far_depths`. The pattern of samples has the period of the cells. So neighbours with the same steps read neighbouring texels, which
-/// are in few cache lines, and the way to the corner is the same for them, which leaves no pattern.
-const FAR_RADIUS: f32 = 48.0;
-
-/// Share of a border pixel that a march may pass: a bit less than the half by which its end still rounds to that pixel, by more than the
-/// error of `rounded`.
-const ROOM_IN_PIXEL: f32 = 0.499;
-
 /// Per-pixel terms of the march, and the direction and steps of the current slice.
 struct March {
+    pixel: Start,
+    /// Twice the pixel's texture coordinates. Minus those of one sample, they are those of the opposite one.
+    twice: vec2<i32>,
+    /// Number of the view's pixels before and behind the pixel, along each axis.
+    room_before: vec2<f32>,
+    room_behind: vec2<f32>,
     depth: f32,
     /// Homogeneous w of the pixel. Like `of_w`, scaled so that distance² / w² is the falloff of a sample's weight.
     w: f32,
@@ -61,6 +54,7 @@ struct March {
 
 /// Sets all but what each slice has of its own: `direction` and what follows it.
 fn march_from(
+    pixel: vec2<i32>,
     ray: vec2<f32>,
     depth: f32,
     position: vec3<f32>,
@@ -68,11 +62,16 @@ fn march_from(
     geometric: vec3<f32>,
     excess: f32,
 ) -> March {
+    let origin = vec2<i32>(view.viewport_origin);
     let of_steps = homogeneous_steps(view.view_from_pixel, position);
     let to_right = of_steps[0].xyz;
     let down = of_steps[1].xyz;
     let metre = 1.0 / (view.decline * excess);
     var march: March;
+    march.pixel = start_at(pixel, origin);
+    march.twice = 2 * (pixel + origin);
+    march.room_before = vec2<f32>(pixel);
+    march.room_behind = vec2<f32>(view.viewport_size) - 1.0 - march.room_before;
     march.depth = depth;
     march.w = w_at(view.view_from_pixel, ray, depth) * metre;
     march.of_w = metre * vec3(of_steps[0].w, of_steps[1].w, of_steps[2].w);
@@ -142,100 +141,38 @@ fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: 
 #endif
 }
 
-/// Distance of sample `i` on both sides. The first, and the growth of distances, are at least a pixel: no sample repeats the pixel or
-/// the last sample.
-fn distance_of(march: March, i: u32) -> f32 {
-    let x = f32(i);
+/// Cosines of the horizon angles to the viewer on both sides; `bases` where no sample is above the surface.
+/// Samples come in pairs at equal distances on both sides, which share all terms but their depths. Off-screen samples are read too,
+/// so that no branch keeps the reads from being issued at once.
+fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
+    let is_right = march.direction > vec2(0.0);
+    let room_ahead = select(march.room_before, march.room_behind, is_right);
+    let room_back = select(march.room_behind, march.room_before, is_right);
+    // Distance of the first sample, and its growth per sample. Both are at least a pixel: no sample repeats the pixel or the last sample.
     let offset = march.offset;
     let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
     let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
-    return at_first + x * growth + x * x * march.steps.x;
-}
-
-#ifdef THIN
-/// Share of a horizon that remains from sample `i` - 1 to sample `i`.
-fn kept_by(march: March, i: u32) -> f32 {
-    var last = 0.0;
-    if i > 0u {
-        last = distance_of(march, i - 1u);
-    }
-    return exp2(-march.decay * (distance_of(march, i) - last));
-}
-#endif
-
-/// Highest horizons by the first `count` samples on either side, each at its nearest pixel. Relative to `bases`, like all `highest`.
-/// Samples come in pairs at equal distances on both sides, which share all terms but their depths. Off-screen samples are read too,
-/// so that no branch keeps the reads from being issued at once.
-fn near_horizons(march: March, pixel: vec2<i32>, bases: vec2<f32>, count: u32) -> vec2<f32> {
-    // Infinite along an axis that the direction is perpendicular to.
-    let per_pixel = 1.0 / march.direction;
-    let room = vec2<f32>(pixel) + ROOM_IN_PIXEL;
-    let to_left = room * per_pixel;
-    let to_right = (vec2<f32>(view.viewport_size) - (1.0 - 2.0 * ROOM_IN_PIXEL) - room) * per_pixel;
-    let to_borders_ahead = max(-to_left, to_right);
-    let to_borders_back = max(to_left, -to_right);
-    let limit_ahead = min(to_borders_ahead.x, to_borders_ahead.y);
-    let limit_back = min(to_borders_back.x, to_borders_back.y);
-    // Minus the texture coordinates of one sample, those of the opposite one.
-    let origin = vec2<i32>(view.viewport_origin);
-    let twice = 2 * (pixel + origin);
-    let start = start_at(pixel, origin);
     var highest = vec2(0.0);
-    for (var i = 0u; i < count; i++) {
-        let distance = distance_of(march, i);
-        let ahead = rounded(start, march.direction, distance);
+#ifdef THIN
+    var last_distance = 0.0;
+#endif
+    for (var i = 0u; i < STEPS; i++) {
+        let x = f32(i);
+        let distance = at_first + x * growth + x * x * march.steps.x;
+        let ahead = rounded(march.pixel, march.direction, distance);
         // Off-screen samples may hold anything; `higher` ignores them.
         let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
-        let depth_back = textureLoad(depth_texture, twice - ahead.place, 0);
+        let depth_back = textureLoad(depth_texture, march.twice - ahead.place, 0);
+        let pixels = abs(ahead.step);
         var step = step_of(march, ahead.step);
 #ifdef THIN
-        step.kept = kept_by(march, i);
+        step.kept = exp2(-march.decay * (distance - last_distance));
+        last_distance = distance;
 #endif
-        highest.x = higher(march, step, 1.0, depth_ahead, distance <= limit_ahead, bases.x, highest.x);
-        highest.y = higher(march, step, -1.0, depth_back, distance <= limit_back, bases.y, highest.y);
+        highest.x = higher(march, step, 1.0, depth_ahead, all(pixels <= room_ahead), bases.x, highest.x);
+        highest.y = higher(march, step, -1.0, depth_back, all(pixels <= room_back), bases.y, highest.y);
     }
-    return highest;
-}
-
-#ifdef FAR_DEPTHS
-/// Samples on either side that are read at their pixels at any radius. Compiled in, so that loops unroll.
-const NEAR_STEPS: u32 = #{NEAR_STEPS}u;
-
-/// Highest horizons by the samples of `near` and the others, each of these at the nearest corner of a cell.
-fn far_horizons(march: March, pixel: vec2<i32>, bases: vec2<f32>, near: vec2<f32>) -> vec2<f32> {
-    let cells = textureDimensions(far_depths);
-    var highest = near;
-    for (var i = NEAR_STEPS; i < STEPS; i++) {
-        let distance = distance_of(march, i);
-        let ahead = rounded_to_cell(pixel, march.direction, distance);
-        let back = rounded_to_cell(pixel, -march.direction, distance);
-        let depth_ahead = textureLoad(far_depths, ahead.cell, 0).r;
-        let depth_back = textureLoad(far_depths, back.cell, 0).r;
-        var step_ahead = step_of(march, ahead.step);
-        var step_back = step_of(march, back.step);
-#ifdef THIN
-        step_ahead.kept = kept_by(march, i);
-        step_back.kept = step_ahead.kept;
-#endif
-        // Negative numbers wrap to values above any size.
-        let is_ahead_seen = all(bitcast<vec2<u32>>(ahead.cell) < cells);
-        let is_back_seen = all(bitcast<vec2<u32>>(back.cell) < cells);
-        highest.x = higher(march, step_ahead, 1.0, depth_ahead, is_ahead_seen, bases.x, highest.x);
-        highest.y = higher(march, step_back, 1.0, depth_back, is_back_seen, bases.y, highest.y);
-    }
-    return highest;
-}
-#endif
-
-/// Cosines of the horizon angles to the viewer on both sides; `bases` where no sample is above the surface. `radius` is in pixels.
-fn horizons(march: March, pixel: vec2<i32>, radius: f32, bases: vec2<f32>) -> vec2<f32> {
-#ifdef FAR_DEPTHS
-    if radius > FAR_RADIUS {
-        let near = near_horizons(march, pixel, bases, NEAR_STEPS);
-        return bases + far_horizons(march, pixel, bases, near);
-    }
-#endif
-    return bases + near_horizons(march, pixel, bases, STEPS);
+    return bases + highest;
 }
 
 /// Rotates by an angle; both are given as cosine and sine.
@@ -271,7 +208,7 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
         }
     }
 #endif
-    var march = march_from(ray, depth, position, to_viewer, geometric, radius.excess);
+    var march = march_from(pixel, ray, depth, position, to_viewer, geometric, radius.excess);
 
     // Steps vary over 4×4 texels; with a wide filter, directions do too. A narrow filter leaves a fine dither of that pattern, not
     // stripes.
@@ -284,26 +221,20 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
         offset = 0.125 + 0.25 * f32(phase + block) + 0.0625 * f32(block) + view.turn;
     }
 
-    // All that slices read is projected before the loop: fewer registers than vectors in view space.
     let basis = tangents(to_viewer);
     let slope = ray_slope(view.view_from_pixel, ray, position);
-    let pixels_up = vec2(radius.pixels.x, -radius.pixels.y);
-    let on_screen_of = mat2x2(
-        (basis[0].xy - basis[0].z * slope) * pixels_up,
-        (basis[1].xy - basis[1].z * slope) * pixels_up,
-    );
-    let shading = vec3(normal * basis, dot(normal, to_viewer));
-    let surface_normal = vec3(geometric * basis, dot(geometric, to_viewer));
     var occlusion = 0.0;
     for (var slice = 0u; slice < SLICES; slice++) {
         // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
-        let lobe = slice_normal_of(vec2(shading.z, dot(shading.xy, rotation)));
-        let surface = slice_normal_of(vec2(surface_normal.z, dot(surface_normal.xy, rotation)));
-        let on_screen = on_screen_of * rotation;
+        let tangent = basis * rotation;
         rotation = turned(rotation, view.slice_rotation);
+        let direction = tangent.xy - tangent.z * slope;
+        let lobe = slice_normal(normal, to_viewer, tangent);
+        let surface = slice_normal(geometric, to_viewer, tangent);
         // Horizons of the surface itself.
         let bases = vec2(-surface.sine, surface.sine);
 
+        let on_screen = radius.pixels * vec2(direction.x, -direction.y);
         let longer_side = largest_side(on_screen);
         march.direction = on_screen / longer_side;
         let part = 0.5 / f32(STEPS);
@@ -312,7 +243,7 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
 #ifdef THIN
         march.decay = view.decay / (radius.excess * longer_side);
 #endif
-        let found = horizons(march, pixel, largest_side(radius.pixels), bases);
+        let found = horizons(march, bases);
         occlusion += side_occlusion(lobe, bases.x, found.x, 1.0) + side_occlusion(lobe, bases.y, found.y, -1.0);
     }
     return occlusion / f32(SLICES);

@@ -1,19 +1,13 @@
 //! Pipeline keys.
 
-use bevy::{
-    render::{render_resource::TextureFormat, view::ExtractedView},
-    shader::ShaderDefVal,
-};
+use bevy::{render::render_resource::TextureFormat, shader::ShaderDefVal};
 
-use super::{
-    far_depths::{marches_far, near_steps},
-    settings::{
-        LeanScreenSpaceAmbientOcclusion, OcclusionFilter, OcclusionKernel, OcclusionNormals,
-    },
+use super::settings::{
+    LeanScreenSpaceAmbientOcclusion, OcclusionFilter, OcclusionKernel, OcclusionNormals,
 };
 use crate::{
     gpu::shader_defs,
-    shader_library::reconstruction::position::{ProjectionKind, projection_of},
+    shader_library::reconstruction::position::ProjectionKind,
     view::{LeanResolution, LightingIo},
 };
 
@@ -30,8 +24,6 @@ pub(super) struct GatherKey {
     pub(super) computes: bool,
     /// Workgroups of the compute pass load depth into workgroup memory. Needs full resolution, where the pixels are contiguous.
     pub(super) shares_depths: bool,
-    /// Samples of a radius of many pixels read [`FarDepths`](super::far_depths::FarDepths).
-    pub(super) far_depths: bool,
     pub(super) projection: ProjectionKind,
 }
 
@@ -40,9 +32,8 @@ impl GatherKey {
         settings: &LeanScreenSpaceAmbientOcclusion,
         is_for_lighting: bool,
         computes: bool,
-        view: &ExtractedView,
+        projection: ProjectionKind,
     ) -> Self {
-        let projection = projection_of(view.clip_from_view);
         let kernel = settings.advanced.kernel;
         if kernel == OcclusionKernel::Hdao {
             // It reads none of the other settings.
@@ -53,7 +44,6 @@ impl GatherKey {
                 thin: false,
                 computes,
                 shares_depths: false,
-                far_depths: false,
                 projection,
             };
         }
@@ -66,7 +56,6 @@ impl GatherKey {
             thin: settings.thickness.is_some(),
             computes,
             shares_depths: computes && settings.resolution == LeanResolution::Full,
-            far_depths: computes && marches_far(settings, view),
             projection,
         }
     }
@@ -76,7 +65,6 @@ impl GatherKey {
         let mut defs = vec![
             ShaderDefVal::UInt("SLICES".into(), slices),
             ShaderDefVal::UInt("STEPS".into(), steps),
-            ShaderDefVal::UInt("NEAR_STEPS".into(), near_steps(steps)),
         ];
         defs.extend(shader_defs::of_table([
             (self.computes, "COMPUTE"),
@@ -84,7 +72,6 @@ impl GatherKey {
             (self.kernel == OcclusionKernel::Hdao, "HDAO"),
             (self.shading_normals, "SHADING_NORMALS"),
             (self.thin, "THIN"),
-            (self.far_depths, "FAR_DEPTHS"),
         ]));
         defs.extend(self.projection.shader_def().map(ShaderDefVal::from));
         defs

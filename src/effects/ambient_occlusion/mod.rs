@@ -2,12 +2,10 @@
 //!
 //! Put [`LeanScreenSpaceAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth of the opaque meshes.
 //!
-//! 1. Where the radius may cover many pixels, a pass copies the depth of every fourth pixel of every fourth row, which samples far from
-//!    their pixel are read from.
-//! 2. A pass gathers occlusion into a single-channel texture at full or half resolution, from horizons ([`OcclusionKernel::Hbao`]) or
+//! 1. A pass gathers occlusion into a single-channel texture at full or half resolution, from horizons ([`OcclusionKernel::Hbao`]) or
 //!    from valleys of depth ([`OcclusionKernel::Hdao`]).
-//! 3. A filter removes the pattern of the samples, 2×2 or 4×4 pixels ([`OcclusionFilter`]).
-//! 4. The occlusion is applied ([`OcclusionApplication`]):
+//! 2. A filter removes the pattern of the samples, 2×2 or 4×4 pixels ([`OcclusionFilter`]).
+//! 3. The occlusion is applied ([`OcclusionApplication`]):
 //!
 //! | application | default for cameras | darkens |
 //! |---|---|---|
@@ -32,7 +30,6 @@
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
-// - `far_depths.{rs,wgsl}`: depths for samples far from their pixel.
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels.
 // - `gather.wgsl`: entry points of the kernels.
 // - `merge.wgsl`: filters occlusion and darkens the picture by it.
@@ -42,8 +39,6 @@ mod active;
 #[doc(hidden)]
 pub mod binding_numbers;
 mod debug_view;
-#[doc(hidden)]
-pub mod far_depths;
 mod key;
 mod pass;
 mod pipelines;
@@ -67,7 +62,6 @@ pub use {
 };
 
 use debug_view::ShownOcclusion;
-use far_depths::FarDepths;
 
 use bevy::{
     asset::embedded_asset,
@@ -109,7 +103,6 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         load_shader_library!(app, "bindings.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");
-        embedded_asset!(app, "far_depths.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
         embedded_asset!(app, "debug_view.wgsl");
@@ -135,7 +128,6 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             ActiveOcclusion,
             (
                 OcclusionTexture,
-                FarDepths,
                 ViewOcclusion,
                 OcclusionBindings,
                 AmbientOcclusion,
@@ -149,11 +141,6 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
             render_app,
             |memory| &mut memory.ambient_occlusion,
             OcclusionTexture::bytes,
-        );
-        memory::count(
-            render_app,
-            |memory| &mut memory.ambient_occlusion,
-            FarDepths::bytes,
         );
         render_app
             .init_gpu_resource::<prepare::OcclusionUniforms>()
@@ -176,7 +163,6 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
                     (
                         prepare::write_occlusion_uniforms,
                         prepare::prepare_occlusion_textures,
-                        far_depths::prepare_far_depths,
                     )
                         .chain()
                         .in_set(ViewTextureSystems),

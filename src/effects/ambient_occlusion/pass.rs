@@ -17,18 +17,13 @@ use bevy::{
 
 use super::{
     active::ActiveOcclusion,
-    far_depths::cells,
     pipelines::GatherPipeline,
     prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
     uniforms::workgroups,
 };
-use crate::{
-    gpu::timed::{Dispatch, TimesEachDispatch, timed, timed_dispatches},
-    shader_library::tiles,
-};
+use crate::gpu::timed::{Dispatch, timed, timed_dispatch};
 
 const GATHER: &str = "lean_deferred/effects/ambient_occlusion/gather";
-const FAR_DEPTHS: &str = "lean_deferred/effects/ambient_occlusion/far_depths";
 const MERGE: &str = "lean_deferred/effects/ambient_occlusion/merge";
 
 pub(super) type OcclusionViewQuery = (
@@ -43,17 +38,11 @@ pub(super) type OcclusionViewQuery = (
 pub(super) fn occlusion_for_lighting(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
-    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
     let (active, texture, view, bindings, _) = view.into_inner();
     if active.merge.is_none() {
-        gather(
-            (active, texture, view, bindings),
-            &pipeline_cache,
-            one_by_one.as_deref(),
-            &mut ctx,
-        );
+        gather(active, texture, view, bindings, &pipeline_cache, &mut ctx);
     }
 }
 
@@ -61,59 +50,37 @@ pub(super) fn occlusion_for_lighting(
 pub(super) fn occlusion_after_opaque(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
-    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
     let (active, texture, view, bindings, target) = view.into_inner();
-    if active.merge.is_none() {
-        return;
-    }
-    let gathered = gather(
-        (active, texture, view, bindings),
-        &pipeline_cache,
-        one_by_one.as_deref(),
-        &mut ctx,
-    );
-    if gathered.is_some() {
+    if active.merge.is_some()
+        && gather(active, texture, view, bindings, &pipeline_cache, &mut ctx).is_some()
+    {
         merge(active, view, bindings, target, &pipeline_cache, &mut ctx);
     }
 }
 
 /// `None` while the pipeline is compiling or the bind group is missing.
 fn gather(
-    (active, texture, view, bindings): (
-        &ActiveOcclusion,
-        &OcclusionTexture,
-        &ViewOcclusion,
-        &OcclusionBindings,
-    ),
+    active: &ActiveOcclusion,
+    texture: &OcclusionTexture,
+    view: &ViewOcclusion,
+    bindings: &OcclusionBindings,
     pipeline_cache: &PipelineCache,
-    one_by_one: Option<&TimesEachDispatch>,
     ctx: &mut RenderContext,
 ) -> Option<()> {
     let group = bindings.gather.get()?;
     match active.gather? {
-        GatherPipeline::Compute(pipeline, far_depths) => {
-            let dispatch = |label, pipeline, group, workgroups| {
-                Some(Dispatch {
-                    label,
-                    pipeline: pipeline_cache.get_compute_pipeline(pipeline)?,
-                    group,
-                    offsets: slice::from_ref(&view.offset),
-                    workgroups,
-                })
+        GatherPipeline::Compute(pipeline) => {
+            let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
+            let dispatch = Dispatch {
+                label: GATHER,
+                pipeline,
+                group,
+                offsets: slice::from_ref(&view.offset),
+                workgroups: workgroups(view.uniform.texture_size),
             };
-            let of_gather = workgroups(view.uniform.texture_size);
-            let gather = dispatch(GATHER, pipeline, group, of_gather);
-            match far_depths {
-                Some(pipeline) => {
-                    let group = bindings.far_depths.get()?;
-                    let of_far_depths = tiles::count(cells(view.viewport.physical_size));
-                    let far_depths = dispatch(FAR_DEPTHS, pipeline, group, of_far_depths);
-                    timed_dispatches(ctx, GATHER, one_by_one, &[far_depths, gather])?;
-                }
-                None => timed_dispatches(ctx, GATHER, one_by_one, &[gather])?,
-            }
+            timed_dispatch(ctx, &dispatch);
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;

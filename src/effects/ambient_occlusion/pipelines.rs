@@ -23,10 +23,8 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        DEPTH_TEXTURE, FAR_DEPTHS, FAR_DEPTHS_OUTPUT, NEAREST_SAMPLER, NORMAL_TEXTURE,
-        OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
-    far_depths::FAR_DEPTHS_FORMAT,
     key::{GatherKey, MergeKey},
     support::FORMAT,
     uniforms::OcclusionUniform,
@@ -52,30 +50,23 @@ const MULTIPLICATIVE: BlendState = BlendState {
 /// Pipeline of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GatherPipeline {
-    /// The gather, and the pass that makes its [`FarDepths`](super::far_depths::FarDepths) if it reads them.
-    Compute(CachedComputePipelineId, Option<CachedComputePipelineId>),
+    Compute(CachedComputePipelineId),
     Raster(CachedRenderPipelineId),
 }
 
 impl GatherPipeline {
     pub(super) fn is_compiled(self, cache: &PipelineCache) -> bool {
         match self {
-            Self::Compute(gather, far_depths) => [Some(gather), far_depths]
-                .into_iter()
-                .flatten()
-                .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some()),
+            Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
             Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
         }
     }
 
-    pub(super) fn ids(self) -> impl Iterator<Item = CachedPipelineId> {
-        let ids = match self {
-            Self::Compute(gather, far_depths) => {
-                [Some(gather.id()), far_depths.map(|pipeline| pipeline.id())]
-            }
-            Self::Raster(pipeline) => [Some(pipeline.id()), None],
-        };
-        ids.into_iter().flatten()
+    pub(super) fn id(self) -> CachedPipelineId {
+        match self {
+            Self::Compute(pipeline) => pipeline.id(),
+            Self::Raster(pipeline) => pipeline.id(),
+        }
     }
 }
 
@@ -84,12 +75,9 @@ impl GatherPipeline {
 pub(super) struct OcclusionPipelines {
     gather_shader: Handle<Shader>,
     merge_shader: Handle<Shader>,
-    far_depths_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
     pub(super) nearest_sampler: Sampler,
     pub(super) merge_layout: ResolvedLayout,
-    pub(super) far_depths_layout: ResolvedLayout,
-    far_depths: Option<CachedComputePipelineId>,
     gathers: HashMap<GatherKey, (GatherPipeline, ResolvedLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
@@ -104,7 +92,6 @@ pub(super) fn init_occlusion_pipelines(
     commands.insert_resource(OcclusionPipelines {
         gather_shader: load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
         merge_shader: load_embedded_asset!(asset_server.as_ref(), "merge.wgsl"),
-        far_depths_shader: load_embedded_asset!(asset_server.as_ref(), "far_depths.wgsl"),
         fullscreen: fullscreen.clone(),
         nearest_sampler: render_device.create_sampler(&SamplerDescriptor {
             label: Some("lean_deferred/effects/ambient_occlusion/nearest"),
@@ -116,8 +103,6 @@ pub(super) fn init_occlusion_pipelines(
             &pipeline_cache,
             filter_layout("lean_deferred/effects/ambient_occlusion/merge"),
         ),
-        far_depths_layout: ResolvedLayout::new(&pipeline_cache, far_depths_layout()),
-        far_depths: None,
         gathers: HashMap::default(),
         merges: HashMap::default(),
     });
@@ -146,35 +131,17 @@ fn gather_layout(key: GatherKey) -> BindGroupLayoutDescriptor {
         OUTPUT_TEXTURE,
         texture_storage_2d(FORMAT, StorageTextureAccess::WriteOnly),
     );
-    let far_depths = (
-        FAR_DEPTHS,
-        texture_2d(TextureSampleType::Float { filterable: false }),
-    );
     layout(
         "lean_deferred/effects/ambient_occlusion/gather",
         stages,
         common_entries()
             .into_iter()
             .chain(key.shading_normals.then_some(normals))
-            .chain(key.computes.then_some(output))
-            .chain(key.far_depths.then_some(far_depths)),
+            .chain(key.computes.then_some(output)),
     )
 }
 
-fn far_depths_layout() -> BindGroupLayoutDescriptor {
-    let output = texture_storage_2d(FAR_DEPTHS_FORMAT, StorageTextureAccess::WriteOnly);
-    layout(
-        "lean_deferred/effects/ambient_occlusion/far_depths",
-        ShaderStages::COMPUTE,
-        [
-            (VIEW, uniform_buffer::<OcclusionUniform>(true)),
-            (DEPTH_TEXTURE, texture_depth_2d()),
-            (FAR_DEPTHS_OUTPUT, output),
-        ],
-    )
-}
-
-/// Entries that gather and merge bind.
+/// Entries that both passes bind.
 fn common_entries() -> [(u32, BindGroupLayoutEntryBuilder); 3] {
     [
         (VIEW, uniform_buffer::<OcclusionUniform>(true)),
@@ -222,16 +189,16 @@ impl OcclusionPipelines {
         let shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();
         let pipeline = if key.computes {
-            let gather = pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label,
-                layout: layouts,
-                shader,
-                shader_defs,
-                entry_point: Some("compute".into()),
-                ..default()
-            });
-            let far_depths = key.far_depths.then(|| self.far_depths(pipeline_cache));
-            GatherPipeline::Compute(gather, far_depths)
+            GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
+                ComputePipelineDescriptor {
+                    label,
+                    layout: layouts,
+                    shader,
+                    shader_defs,
+                    entry_point: Some("compute".into()),
+                    ..default()
+                },
+            ))
         } else {
             GatherPipeline::Raster(
                 pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {
@@ -250,19 +217,6 @@ impl OcclusionPipelines {
         };
         self.gathers.insert(key, (pipeline, found));
         Some(pipeline)
-    }
-
-    /// Pipeline that makes [`FarDepths`](super::far_depths::FarDepths); it may still be compiling.
-    fn far_depths(&mut self, pipeline_cache: &PipelineCache) -> CachedComputePipelineId {
-        *self.far_depths.get_or_insert_with(|| {
-            pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label: Some("lean_deferred/effects/ambient_occlusion/far_depths".into()),
-                layout: vec![self.far_depths_layout.descriptor().clone()],
-                shader: self.far_depths_shader.clone(),
-                entry_point: Some("main".into()),
-                ..default()
-            })
-        })
     }
 
     /// Pipeline that blends the occlusion into the image; it may still be compiling. `None` if it is withheld.

@@ -21,10 +21,8 @@ use bevy::{
 use super::{
     active::ActiveOcclusion,
     binding_numbers::{
-        DEPTH_TEXTURE, FAR_DEPTHS, FAR_DEPTHS_OUTPUT, NEAREST_SAMPLER, NORMAL_TEXTURE,
-        OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
     },
-    far_depths::FarDepths,
     pipelines::{GatherPipeline, OcclusionPipelines},
     support::FORMAT,
     uniforms::{OcclusionUniform, fog_parameters},
@@ -126,7 +124,7 @@ pub(super) fn prepare_occlusion_textures(
 ) {
     for (entity, active, view, current, given) in &mut views {
         let usage = match active.gather {
-            Some(GatherPipeline::Compute(..)) => TextureUsages::STORAGE_BINDING,
+            Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
             Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
             None => {
                 if current.is_some() {
@@ -188,7 +186,6 @@ pub(super) fn prepare_occlusion_textures(
 /// On a view with ambient occlusion: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct OcclusionBindings {
-    pub(super) far_depths: CachedBindGroup,
     pub(super) gather: CachedBindGroup,
     pub(super) merge: CachedBindGroup,
 }
@@ -196,7 +193,7 @@ pub struct OcclusionBindings {
 impl OcclusionBindings {
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        [&self.far_depths, &self.gather, &self.merge]
+        [&self.gather, &self.merge]
             .into_iter()
             .filter_map(CachedBindGroup::get)
     }
@@ -211,7 +208,7 @@ pub(super) fn prepare_occlusion_bind_groups(
     mut views: Query<(
         Entity,
         &ActiveOcclusion,
-        (Option<&OcclusionTexture>, Option<&FarDepths>),
+        Option<&OcclusionTexture>,
         &ViewDepthTexture,
         Option<&GBufferTextures>,
         Option<&mut OcclusionBindings>,
@@ -220,31 +217,19 @@ pub(super) fn prepare_occlusion_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (entity, active, (texture, far_depths), depth, gbuffer, bindings) in &mut views {
+    for (entity, active, texture, depth, gbuffer, bindings) in &mut views {
         let mut new = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => new.insert(OcclusionBindings::default()),
         };
         let (Some(texture), Some(_)) = (texture, active.gather) else {
-            bindings.far_depths.clear();
             bindings.gather.clear();
             bindings.merge.clear();
             continue;
         };
         let occlusion = || texture.0.default_view.into_binding();
 
-        let far_depths = far_depths.filter(|_| active.key.far_depths);
-        if let Some(far_depths) = far_depths {
-            let layout = &pipelines.far_depths_layout;
-            bindings.far_depths.update(&device, layout, |entries| {
-                entries.push(VIEW, uniforms.clone())?;
-                entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
-                entries.push(FAR_DEPTHS_OUTPUT, far_depths.0.default_view.into_binding())
-            });
-        } else {
-            bindings.far_depths.clear();
-        }
         if let Some(layout) = pipelines.gather_layout(active.key) {
             bindings.gather.update(&device, layout, |entries| {
                 entries.push(VIEW, uniforms.clone())?;
@@ -255,9 +240,6 @@ pub(super) fn prepare_occlusion_bind_groups(
                 }
                 if active.key.computes {
                     entries.push(OUTPUT_TEXTURE, occlusion())?;
-                }
-                if active.key.far_depths {
-                    entries.push(FAR_DEPTHS, far_depths?.0.default_view.into_binding())?;
                 }
                 Some(())
             });

@@ -111,12 +111,6 @@ impl OcclusionUniform {
         view
     }
 
-    /// Bound of the radius on screen, in pixels.
-    pub fn largest_radius(&self) -> f32 {
-        let nearest = self.edge.x + self.edge.y;
-        self.radius_in_pixels.abs().max_element() * nearest.min(self.largest_nearness)
-    }
-
     /// Inputs of lighting to apply the occlusion in `texture`.
     pub(super) fn for_lighting(
         &self,

@@ -180,7 +180,6 @@ pub const SHARES_DEPTHS: [&str; 2] = ["COMPUTE", "SHARED_DEPTHS"];
 pub const OCCLUSION_GATHER_SHARED: &[Factor] = &[
     optional!("SHADING_NORMALS"),
     optional!("THIN"),
-    optional!("FAR_DEPTHS"),
     OCCLUSION_PROJECTIONS,
 ];
 

@@ -7,7 +7,7 @@ use bevy::{
     reflect::enums::Enum,
 };
 use bevy_lean_deferred::{
-    effects::{ambient_occlusion::far_depths, auto_exposure::key, reflections},
+    effects::{auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::{parts::LightingParts, subsurface_light},
     shader_library::tiles,
@@ -84,8 +84,6 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
         REFLECTANCE_STEPS, LARGEST_REFLECTANCE, DEFAULT_REFLECTANCE, NO_FOG, NO_SHADOWS, ARGUMENTS_SHIFT
     });
     constants!("shader_library/reconstruction/position.wgsl": position::{SMALLEST_DEPTH});
-    constants!("shader_library/rounding.wgsl": far_depths::{CELL_SIDE});
-    constants!("effects/ambient_occlusion/hbao.wgsl": far_depths::{FAR_RADIUS});
     constants!("shader_library/tiles.wgsl": tiles::{TILE_SIDE});
     constants!("shading_models/anisotropy.wgsl": anisotropy::{FRAME_SEAM});
     constants!("shading_models/diffuse_transmission.wgsl": diffuse_transmission::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});

@@ -177,12 +177,9 @@ pub fn all() -> &'static [Composed] {
                 "COMPUTE",
                 "SHARED_DEPTHS",
                 "SHADING_NORMALS",
-                "FAR_DEPTHS",
                 "SLICES=1",
-                "STEPS=2",
-                "NEAR_STEPS=1"
+                "STEPS=1"
             ),
-            shader!("effects/ambient_occlusion/far_depths.wgsl",),
             shader!("effects/ambient_occlusion/merge.wgsl",),
             shader!("effects/ambient_occlusion/debug_view.wgsl",),
             shader!("effects/auto_exposure/meter.wgsl", "HISTOGRAM", "MASK"),
