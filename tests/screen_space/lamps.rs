@@ -19,7 +19,7 @@ const LAG: usize = 8;
 
 #[test]
 fn a_lamp_has_the_shape_of_the_lobe() {
-    in_own_process(|| check_shapes([(0.3, 0.037, 5.0)], [8.0]));
+    in_own_process(|| check_shapes([(0.3, 0.037, 1.7)], [8.0]));
 }
 
 #[test]
@@ -27,10 +27,10 @@ fn a_lamp_has_the_shape_of_the_lobe() {
 fn further_lamps_have_the_shape_of_the_lobe() {
     in_own_process(|| {
         let floors = [
-            (0.1, 0.022, 20.0),
-            (0.2, 0.023, 7.0),
-            (0.3, 0.037, 5.0),
-            (0.5, 0.085, 16.0),
+            (0.1, 0.03, 5.0),
+            (0.2, 0.023, 3.5),
+            (0.3, 0.037, 1.7),
+            (0.5, 0.105, 1.7),
         ];
         check_shapes(floors, [8.0, 200.0]);
     });

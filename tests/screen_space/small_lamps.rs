@@ -109,8 +109,8 @@ fn check_lamps(lamps: impl IntoIterator<Item = (f32, f32, LeanQuality, [f32; 2])
 fn light_of_a_small_lamp_is_even() {
     in_own_process(|| {
         check_lamps([
-            (0.15, 8.0, LeanQuality::Medium, [0.045, 0.2]),
-            (0.05, 200.0, LeanQuality::Medium, [0.35, 1.5]),
+            (0.15, 8.0, LeanQuality::Medium, [0.03, 0.1]),
+            (0.05, 200.0, LeanQuality::Medium, [0.18, 0.6]),
         ]);
     });
 }
@@ -120,8 +120,8 @@ fn light_of_a_small_lamp_is_even() {
 fn light_of_further_small_lamps_is_even() {
     in_own_process(|| {
         check_lamps([
-            (0.15, 200.0, LeanQuality::Medium, [0.045, 0.2]),
-            (0.15, 8.0, LeanQuality::High, [0.04, 0.2]),
+            (0.15, 200.0, LeanQuality::Medium, [0.03, 0.1]),
+            (0.15, 8.0, LeanQuality::High, [0.055, 0.2]),
             (0.05, 8.0, LeanQuality::High, [0.25, 1.0]),
         ]);
     });
