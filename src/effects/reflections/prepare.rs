@@ -253,7 +253,12 @@ pub(super) fn prepare_reflections(
             }
         };
         uniform.has_motion = has_motion.into();
-        uniform.phase = reflections.phase % PHASES;
+        // Hits that are shown rest.
+        uniform.phase = if active.shows_hits {
+            0
+        } else {
+            reflections.phase % PHASES
+        };
         reflections.growing = growing;
         reflections.viewport_size = size;
         reflections.texture_size = uniform.texture_size;
