@@ -116,7 +116,13 @@ fn views_cover_their_part_of_the_picture() {
                 pixel_difference(&before, &after),
             ];
             let is_shown = pixel_difference(&before, &whole).psnr < 40.0;
-            let is_right = differences.iter().all(|difference| difference.psnr > 60.0);
+            // While hits are shown, rough surfaces have the light of one frame of four.
+            let least = if shows == DebugView::ReflectionHit {
+                50.0
+            } else {
+                60.0
+            };
+            let is_right = differences.iter().all(|difference| difference.psnr > least);
             let line = format!(
                 "{shows:?}: shown: {is_shown}; view: {}; beside it: {}; afterwards: {}",
                 differences[0], differences[1], differences[2]

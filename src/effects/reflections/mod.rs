@@ -172,6 +172,7 @@ impl Plugin for LeanScreenSpaceReflectionsPlugin {
                         .after(prepare_history_bind_groups),
                     forward::prepare_forward_reflections
                         .in_set(RenderSystems::PrepareBindGroups)
+                        .after(prepare_history_bind_groups)
                         .before(prepare_forward_groups),
                 )
                     .in_set(EffectSystems::Reflections),
