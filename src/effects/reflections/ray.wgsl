@@ -1,20 +1,11 @@
-// A ray through the picture, and its hit. On screen it is a line, along which depth is affine too.
+// A ray through the picture, and its hit.
 #define_import_path bevy_lean_deferred::effects::reflections::ray
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::screen_ray::{Ray, ray_towards}
 #import bevy_lean_deferred::effects::reflections::bindings::{
     behind, depth_in_view, edge_step, homogeneous_pixel, normal_texture, to_viewer, view, view_position,
-}
-
-/// `start + step * u` in (pixel x, pixel y, depth), for `u` from 0 to `end`. `u` grows by about 1 per pixel.
-struct Ray {
-    start: vec3<f32>,
-    step: vec3<f32>,
-    end: f32,
-    /// The distance from the start is `metres * u / (1 - vanishing * u)`, in metres.
-    metres: f32,
-    vanishing: f32,
 }
 
 /// State of a march.
@@ -36,40 +27,16 @@ struct RayHit {
     certainty: f32,
 }
 
-/// Parameter at which the line leaves 0 to `size`; 1e9 on axes along which it does not move.
-fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
-    let ends = (select(vec2(0.0), size, step > vec2(0.0)) - start) / step;
-    let along = abs(step) < vec2(1e-12);
-    let never = select(ends, vec2(1e9), along);
-    return min(never.x, never.y);
-}
-
 /// Ray from `position`, which is seen at `start`, in unit direction `direction`; both in view space.
 fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
     let here = homogeneous_pixel(position, 1.0);
     let towards = homogeneous_pixel(direction, 0.0);
-    let step = (towards.xyz - start * towards.w) / here.w;
-    var ray: Ray;
-    ray.start = start;
-    ray.metres = 1.0 / max(max(abs(step.x), abs(step.y)), 1e-6);
-    ray.step = step * ray.metres;
-    ray.vanishing = ray.metres * towards.w / here.w;
-    let sides = leaves(start.xy, ray.step.xy, vec2<f32>(view.viewport_size));
-    let planes = leaves(start.zz, ray.step.zz, vec2(1.0));
-    // The vanishing point, at infinite distance.
-    let infinity = select(1e9, 1.0 / ray.vanishing, ray.vanishing > 0.0);
-    ray.end = min(min(sides, planes), infinity);
-    return ray;
+    return ray_towards(start, here, towards, vec2<f32>(view.viewport_size));
 }
 
 /// Pixel that the ray crosses at `u`.
 fn pixel_on(ray: Ray, u: f32) -> vec2<i32> {
     return clamp(vec2<i32>(ray.start.xy + ray.step.xy * u), vec2(0), vec2<i32>(view.viewport_size) - 1);
-}
-
-/// Distance from the start at `u`, in metres.
-fn metres_at(ray: Ray, u: f32) -> f32 {
-    return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
 }
 
 /// Share of the assumed thickness that the surface at `pixel` has: 1 where it faces the viewer, less towards silhouettes, and 0

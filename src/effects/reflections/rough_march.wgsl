@@ -3,7 +3,8 @@
 
 #import bevy_lean_deferred::effects::reflections::bindings::{depth_in_view, edge_step, hi_z_texture, view}
 #import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, depth_inside, pixel_on}
+#import bevy_lean_deferred::screen_ray::Ray
 
 /// Largest factor on the length of segments, reached in front of all surfaces.
 const LONGER: f32 = 4.0;

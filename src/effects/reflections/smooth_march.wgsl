@@ -3,30 +3,16 @@
 
 #import bevy_lean_deferred::effects::reflections::bindings::{behind, edge_step, hi_z_texture, depth_texture, view}
 #import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::effects::reflections::ray::{RayHit, Ray, MarchState, depth_inside, pixel_on}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, depth_inside, pixel_on}
+#import bevy_lean_deferred::screen_ray::{FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, cell_ends, cell_walk, larger_begins}
 
-/// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest
-/// cells.
-const FIRST_SIDE: f32 = 4.0;
-const STEP_OF_SIDES: f32 = 4.0;
-const LAST_SIDE: f32 = 64.0;
 /// Above the depth of the sky as stored in cells.
 const NEAREST_TO_SKY: f32 = 1e-9;
-/// Offset into the next cell, in pixels: above rounding errors.
-const INTO: f32 = 1.0 / 256.0;
-
 /// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
 /// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, `state` has where the
 /// march ended. It begins where the ray leaves its own pixel.
 fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchState>) -> RayHit {
-    let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
-    let inverse_step = 1.0 / step;
-    let ends_from = -ray.start.xy * inverse_step;
-    let is_forward = step > vec2(0.0);
-    let forwards = vec2<f32>(is_forward);
-    // Coordinates of the last of 4×4 cells in a larger one, in the ray's direction.
-    let last_of_four = select(vec2(0), vec2(3), is_forward);
-    let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
+    let walk = cell_walk(ray);
     let rows = largest_rows(view.viewport_size.y);
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
@@ -40,7 +26,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
     var was_in_front = false;
     var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
-        let place = floor((start + ray.step.xy * u) * inverse_side);
+        let place = floor((walk.start + ray.step.xy * u) * inverse_side);
         let cell = vec2<i32>(place);
         let is_pixel = side < FIRST_SIDE;
         // Both reads are awaited together, because a subgroup has rays in both.
@@ -52,7 +38,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
             let before = select(select(ROWS_BEFORE_64, ROWS_BEFORE_16, side < LAST_SIDE), 0u, side == FIRST_SIDE);
             word = textureLoad(hi_z_texture, cell + vec2(0, i32(before * rows)), 0).r;
         }
-        let ends = (place + forwards) * (side * inverse_step) + ends_from;
+        let ends = cell_ends(walk, place, side);
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         let next_z = ray.start.z + ray.step.z * next;
         // A ray in front passes behind a single pixel only after a test of the surface's thickness.
@@ -86,9 +72,7 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
             z = next_z;
             was_in_front = is_in_front;
             // Goes to larger cells only where one begins.
-            let crosses_x = ends.x < ends.y;
-            let crossed = select(cell.y ^ last_of_four.y, cell.x ^ last_of_four.x, crosses_x);
-            let rises = (crossed & 3) == 0 && side < LAST_SIDE;
+            let rises = larger_begins(walk, cell, ends) && side < LAST_SIDE;
             side *= select(1.0, STEP_OF_SIDES, rises);
             inverse_side *= select(1.0, 1.0 / STEP_OF_SIDES, rises);
         } else {

@@ -9,12 +9,13 @@
 }
 #import bevy_lean_deferred::effects::reflections::lobes::shift_of
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
-#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, metres_at, ray_on_screen}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
 #import bevy_lean_deferred::effects::reflections::smooth_march
 #import bevy_lean_deferred::effects::reflections::surface::{
     Mirror, ROUGH, mirror_of, normal_word_at, rotated, smoothness, with_roughness,
 }
+#import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -40,12 +41,6 @@ struct TraceResult {
 fn numbers_of(ray: u32, shift: vec2<f32>) -> vec2<f32> {
     let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
     return fract(pair + shift + view.turn * vec2(1.0, 0.754877));
-}
-
-/// Fade towards the edge of the picture: 1 from `view.edge_fade` pixels on.
-fn rim_fade(at: vec2<f32>) -> f32 {
-    let room = min(at, vec2<f32>(view.viewport_size) - at);
-    return saturate(min(room.x, room.y) / max(view.edge_fade, 1e-6));
 }
 
 /// True for a surface with a mirror of some smoothness.
@@ -125,7 +120,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
 #endif
     let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
     let seen = mirrored_light(hit.place, hit_position, level, position, metres);
-    let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy);
+    let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
         return result;
     }

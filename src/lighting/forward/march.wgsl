@@ -8,27 +8,14 @@
 #import bevy_lean_deferred::lighting::forward::last_frame::{
     LastRay, edge_step, kept_distance, kept_surface, last_distance, last_pixel,
 }
+#import bevy_lean_deferred::screen_ray::{
+    FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, cell_ends, cell_walk, larger_begins, metres_at, ray_towards,
+}
 
-/// Sides of the smallest and the largest cells in pixels, and the ratio of consecutive sides. Pixels come before the smallest cells.
-const FIRST_SIDE: f32 = 4.0;
-const STEP_OF_SIDES: f32 = 4.0;
-const LAST_SIDE: f32 = 64.0;
-/// Offset into the next cell, in pixels: above rounding errors.
-const INTO: f32 = 1.0 / 256.0;
 /// Length of a ray in its own pixel.
 const OWN_PIXEL: f32 = 0.5;
 /// Iterations of the search within a pixel (regula falsi).
 const NARROWINGS: i32 = 2;
-
-/// `start + step * u` in (pixel x, pixel y, depth), for `u` from 0 to `end`. `u` grows by about 1 per pixel.
-struct ForwardRay {
-    start: vec3<f32>,
-    step: vec3<f32>,
-    end: f32,
-    /// The distance from the start is `metres * u / (1 - vanishing * u)`, in metres.
-    metres: f32,
-    vanishing: f32,
-}
 
 struct ForwardHit {
     is_hit: bool,
@@ -37,45 +24,22 @@ struct ForwardHit {
     certainty: f32,
 }
 
-/// Parameter at which a line leaves 0 to `size`; 1e9 on axes along which it does not move.
-fn leaves(start: vec2<f32>, step: vec2<f32>, size: vec2<f32>) -> f32 {
-    let ends = (select(vec2(0.0), size, step > vec2(0.0)) - start) / step;
-    let never = select(ends, vec2(1e9), abs(step) < vec2(1e-12));
-    return min(never.x, never.y);
-}
-
 /// Ray from `position` in unit `direction`, both in view space.
-fn ray_from(position: vec3<f32>, direction: vec3<f32>) -> ForwardRay {
+fn ray_from(position: vec3<f32>, direction: vec3<f32>) -> Ray {
     let here = reflections.pixel_from_view * vec4(position, 1.0);
     let towards = reflections.pixel_from_view * vec4(direction, 0.0);
     let start = here.xyz / here.w;
-    let step = (towards.xyz - start * towards.w) / here.w;
-    var ray: ForwardRay;
-    ray.start = start;
-    ray.metres = 1.0 / max(max(abs(step.x), abs(step.y)), 1e-6);
-    ray.step = step * ray.metres;
-    ray.vanishing = ray.metres * towards.w / here.w;
-    let sides = leaves(start.xy, ray.step.xy, vec2<f32>(reflections.viewport_size));
-    let planes = leaves(start.zz, ray.step.zz, vec2(1.0));
-    // The vanishing point, at infinite distance.
-    let infinity = select(1e9, 1.0 / ray.vanishing, ray.vanishing > 0.0);
-    ray.end = min(min(sides, planes), infinity);
-    return ray;
-}
-
-/// Distance from the start at `u`, in metres.
-fn metres_at(ray: ForwardRay, u: f32) -> f32 {
-    return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
+    return ray_towards(start, here, towards, vec2<f32>(reflections.viewport_size));
 }
 
 /// Metres by which the ray is in front of the surface that the last frame shows in its place.
-fn gap_at(ray: ForwardRay, last: LastRay, u: f32) -> f32 {
+fn gap_at(ray: Ray, last: LastRay, u: f32) -> f32 {
     let metres = metres_at(ray, u);
     return kept_surface(last_pixel(last, metres)).distance - last_distance(last, metres);
 }
 
-/// Where the ray meets a surface between `front` and `back`.
-fn narrowed(ray: ForwardRay, last: LastRay, front: f32, back: f32) -> f32 {
+/// Parameter at which the ray meets a surface between `front` and `back`.
+fn narrowed(ray: Ray, last: LastRay, front: f32, back: f32) -> f32 {
     var before = vec2(front, gap_at(ray, last, front));
     var after = vec2(back, gap_at(ray, last, back));
     // Otherwise it comes from beside the surface.
@@ -97,15 +61,8 @@ fn narrowed(ray: ForwardRay, last: LastRay, front: f32, back: f32) -> f32 {
 
 /// Marches through the largest cells that the ray passes in front of or behind (Uludag 2014, "Hi-Z Screen-Space Cone-Traced
 /// Reflections"), to the first pixel in which it goes behind the surface of the last frame.
-fn march(ray: ForwardRay, last: LastRay) -> ForwardHit {
-    let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
-    let inverse_step = 1.0 / step;
-    let ends_from = -ray.start.xy * inverse_step;
-    let is_forward = step > vec2(0.0);
-    let forwards = vec2<f32>(is_forward);
-    // Coordinates of the last of 4×4 cells in a larger one, in the ray's direction.
-    let last_of_four = select(vec2(0), vec2(3), is_forward);
-    let start = ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward);
+fn march(ray: Ray, last: LastRay) -> ForwardHit {
+    let walk = cell_walk(ray);
     let rows = largest_rows(reflections.viewport_size.y);
     var side = FIRST_SIDE;
     var u = OWN_PIXEL;
@@ -113,9 +70,9 @@ fn march(ray: ForwardRay, last: LastRay) -> ForwardHit {
     var hit: ForwardHit;
     for (var i = 0u; i < reflections.steps && u < ray.end; i++) {
         let inverse_side = 1.0 / side;
-        let place = floor((start + ray.step.xy * u) * inverse_side);
+        let place = floor((walk.start + ray.step.xy * u) * inverse_side);
         let cell = vec2<i32>(place);
-        let ends = (place + forwards) * (side * inverse_step) + ends_from;
+        let ends = cell_ends(walk, place, side);
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         var passes = true;
         if side < FIRST_SIDE {
@@ -149,8 +106,7 @@ fn march(ray: ForwardRay, last: LastRay) -> ForwardHit {
         if passes {
             u = next;
             // Goes to larger cells only where one begins.
-            let crossed = select(cell.y ^ last_of_four.y, cell.x ^ last_of_four.x, ends.x < ends.y);
-            side *= select(1.0, STEP_OF_SIDES, (crossed & 3) == 0 && side < LAST_SIDE);
+            side *= select(1.0, STEP_OF_SIDES, larger_begins(walk, cell, ends) && side < LAST_SIDE);
         } else {
             side *= 1.0 / STEP_OF_SIDES;
         }

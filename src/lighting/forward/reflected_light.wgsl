@@ -8,17 +8,12 @@
 #import bevy_lean_deferred::lighting::forward::last_frame::{
     is_in_last_view, kept_light, kept_surface, last_pixel, last_ray,
 }
-#import bevy_lean_deferred::lighting::forward::march::{march, metres_at, ray_from}
+#import bevy_lean_deferred::lighting::forward::march::{march, ray_from}
+#import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
 
 /// Fade of reflections: 1 for smooth surfaces, 0 for those that are too rough.
 fn smoothness(roughness: f32) -> f32 {
     return saturate((reflections.max_roughness - roughness) / max(0.25 * reflections.max_roughness, 1e-6));
-}
-
-/// Fade towards the edge of the picture.
-fn rim_fade(at: vec2<f32>) -> f32 {
-    let room = min(at, vec2<f32>(reflections.viewport_size) - at);
-    return saturate(min(room.x, room.y) / max(reflections.edge_fade, 1e-6));
 }
 
 /// Light that the surface at `position` (world space, metres) with the unit `normal` (world space, on the side of the viewer) mirrors from
@@ -58,7 +53,8 @@ fn lean_reflected_light(position: vec3<f32>, normal: vec3<f32>, roughness: f32) 
         light = without_fog(reflections.fog, light, length(met), reflections.exposure_ratio);
         light = fogged_in_mirror(reflections.fog, light, length(origin), length(origin) + metres);
     }
-    let seen = rim_fade(ray.start.xy + ray.step.xy * hit.u);
+    let end = ray.start.xy + ray.step.xy * hit.u;
+    let seen = rim_fade(end, vec2<f32>(reflections.viewport_size), reflections.edge_fade);
     let confidence = hit.certainty * seen * fade * select(0.0, 1.0, is_in_last_view(at));
     let is_number = is_finite(light.r + light.g + light.b + confidence);
     return select(vec4(0.0), vec4(light, confidence), is_number && confidence > 0.0);
