@@ -24,7 +24,7 @@
 //!   textures have occlusion. Multiples of 1/20, usual in materials, are exact metallic values. With multiples of 1/10 the benches'
 //!   boxes, half of which have a metallic of 1/4 or 3/4, are at 43.3 dB from forward instead of 55.9.
 //! - **A flag for shading normals that tell the mesh's**: shadow bias follows those. In forward it follows the interpolated normal.
-//!   Where a normal map turns the shading normal further from that than the triangle is, it follows the normal from depth.
+//!   It follows the normal from depth where a normal map turns the shading normal further from that than the triangle is.
 //! - **4095 codes per axis, not 4096**, so that 0 is a code: axes, walls and floors are exact.
 //! - **Best of four** rounding for the normal: mean error 0.0195°, largest 0.0395°, against 0.0209° and 0.0592° for rounding each
 //!   axis on its own.

@@ -177,7 +177,7 @@ fn light_in_a_blended_mirror_is_the_things() {
     });
 }
 
-/// Where the option is off, or the effect, or the camera is not lean, the picture is the same to the bit.
+/// The picture is the same to the bit while the option or the effect is off, or the camera is not lean.
 #[test]
 fn other_views_stay_as_they_are() {
     in_own_process(|| {
@@ -220,7 +220,7 @@ fn other_views_stay_as_they_are() {
 
 const MIRROR: Handle<Shader> = uuid_handle!("5d4f4a4e-6a5e-4d0b-9f0c-6f3b1c0d9e61");
 
-/// What a shader of an app sees in its mirror, without any other light. Red on cameras without reflections would be 0.
+/// A shader of an app that shows what its mirror reflects, without any other light. Red on cameras without reflections would be 0.
 const MIRROR_SOURCE: &str = "
 #import bevy_lean_deferred::lighting::forward::reflected_light::lean_reflected_light
 #import bevy_pbr::forward_io::VertexOutput

@@ -14,7 +14,7 @@
 // - `queue.rs`: replaces the pipelines of meshes that Bevy has queued.
 // - `own_group.rs`: binds the layers of lights and the textures of reflections.
 // - `binding_numbers.rs`, `bindings.wgsl`: the crate's own bind group.
-// - `reflections.rs`: what an effect provides for reflections.
+// - `reflections.rs`: textures and uniform that an effect provides for reflections.
 // - `light.wgsl`: the light of a surface, also for shaders of apps.
 // - `reflected_light.wgsl`: the picture in its mirror, also for shaders of apps.
 // - `march.wgsl`, `last_frame.wgsl`: the way of its ray, and the surfaces of the last frame along it.

@@ -1,4 +1,4 @@
-//! What an effect provides for the reflections of forward meshes.
+//! The textures and the uniform that an effect provides for the reflections of forward meshes.
 
 use bevy::{
     prelude::*,

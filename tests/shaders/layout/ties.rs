@@ -67,7 +67,7 @@ pub fn differences(
         }
     };
     for (i, (value, max)) in values.into_iter().enumerate() {
-        // Where metallic is a tie, occlusion may have other steps.
+        // Occlusion may have other steps if metallic is a tie.
         if i == OCCLUSION && codes[0][METALLIC] != codes[1][METALLIC] {
             continue;
         }
