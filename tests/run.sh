@@ -23,7 +23,7 @@ mkdir -p "$LEAN_PASSED"
 built=$(cargo test --no-run 2>&1 | sed -n -e 'w /dev/stderr' -e 's/^  *Executable .*(\(.*\))$/\1/p')
 # Inputs that all of them depend on: libraries, the examples that tests run, the toolchain, drivers and settings.
 common=$({
-    find Cargo.toml Cargo.lock assets examples figures kit src street tests/*.sh -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
+    find Cargo.toml Cargo.lock assets examples lab src tests/*.sh -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     rustc -vV
     env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_|SOAK_|PARITY_|PROPTEST_)' | LC_ALL=C sort
     cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null || true

@@ -2,7 +2,7 @@
 //!
 //! The figures are root mean squares of (occlusion − closed form) over the pixels within the radius of a tall wall on a
 //! floor, 0 being open and 1 closed. They are copies of results of this crate's accuracy tests (`tests/ambient_occlusion`;
-//! the closed forms are in `kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of 0.1 and all
+//! the closed forms are in `lab/kit/src/occlusion/closed_forms.rs`) with a radius of 0.5 m, the default falloff of 0.1 and all
 //! other settings at their defaults.
 
 use bevy_lean_deferred::{effects::ambient_occlusion::OcclusionKernel, prelude::*};

@@ -1,6 +1,6 @@
 //! Drawing into the G-buffer: geometry, motion vectors, culling, sorting, optional targets, and what forward draws.
 //!
-//! Each test has a process of its own: together they would exceed the memory of many machines, see `kit/src/own_process.rs`.
+//! Each test has a process of its own: together they would exceed the memory of many machines, see `lab/kit/src/own_process.rs`.
 
 mod forward_reasons;
 mod geometry;

@@ -1,6 +1,6 @@
 //! Pictures of lean cameras against those of Bevy's forward renderer.
 //!
-//! Each test has a process of its own: together they would exceed the memory of many machines, see `kit/src/own_process.rs`.
+//! Each test has a process of its own: together they would exceed the memory of many machines, see `lab/kit/src/own_process.rs`.
 
 mod accuracy;
 mod atmosphere;

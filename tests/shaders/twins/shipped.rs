@@ -90,7 +90,7 @@ pub fn constants() -> BTreeMap<Place, String> {
 /// Names of Rust constants, by the folder of their file. The folders of `reference` are those of `src`.
 pub fn rust_constants() -> BTreeSet<Place> {
     let mut found = BTreeSet::new();
-    let reference = files("kit/src/reference", "rs");
+    let reference = files("lab/kit/src/reference", "rs");
     for (file, text) in files("src", "rs").into_iter().chain(reference) {
         for line in text.lines() {
             let visible = line.split_once("const ");

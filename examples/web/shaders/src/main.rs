@@ -12,7 +12,7 @@ mod factors;
 #[path = "../../../../src/lighting/implied.rs"]
 mod implied;
 mod modules;
-#[path = "../../../../kit/src/random.rs"]
+#[path = "../../../../lab/kit/src/random.rs"]
 pub mod random;
 mod shaders;
 

@@ -153,7 +153,7 @@ fn wait(child: &mut Child, deadline: Option<Instant>) -> std::io::Result<Option<
 /// Root of the repository.
 pub fn root() -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    package.parent().unwrap_or(package).into()
+    package.ancestors().nth(2).unwrap_or(package).into()
 }
 
 fn text(path: &Path) -> String {

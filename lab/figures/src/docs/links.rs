@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn links_lead_to_headings() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let root = &crate::report::root();
         let page = "[a](#one-two) [b](#comment)\n\n```sh\n# comment\n```\n\n## One: `two`?\n\n[c](docs/limits.md#cameras) [d](docs/limits.md#none)";
         assert_eq!(
             dead(root, "README.md", page, &BTreeMap::new()),

@@ -150,7 +150,7 @@ pub const CASES: &[Case] = &[
         name: "lights",
         program: "pictures",
         args: "parity::lights_match_forward --exact --test-threads=1",
-        // In their order in `kit/src/scenes/lights.rs`.
+        // In their order in `lab/kit/src/scenes/lights.rs`.
         parity_scene: "directional_shadow_cascades,point_shadow,many_lights_of_all_kinds",
         shaders: &[
             compute("lighting: a sun with shadows", LIGHTING).beside(DEFERRED_BOXES),

@@ -44,7 +44,7 @@ macro_rules! shipped_wgsl {
 /// As [`shipped_wgsl!`], from within this crate.
 macro_rules! wgsl {
     ($path:literal) => {
-        $crate::shipped_wgsl!("../", $path)
+        $crate::shipped_wgsl!("../../", $path)
     };
 }
 pub(crate) use wgsl;

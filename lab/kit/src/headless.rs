@@ -93,7 +93,7 @@ impl Headless {
             })
             .set(render_plugin(true))
             .set(AssetPlugin {
-                file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/../assets").into(),
+                file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets").into(),
                 // Benches may name a file anywhere.
                 unapproved_path_mode: UnapprovedPathMode::Allow,
                 ..default()

@@ -418,7 +418,7 @@ fn a_folder_makes_a_page() {
 /// The repository's own figures, of which `docs` makes tables and plots.
 #[test]
 fn figures_of_the_docs() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/figures");
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/figures");
     let store = Store::of_machines(&folder).unwrap();
     let lights = store.light_scaling("h200");
     assert!(lights.plots()[0].svg.contains("4.3 TB/s"));
