@@ -199,22 +199,11 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         emit(&shaded, pixel, pbr.material.base_color.rgb);
     }
 #ifdef SCATTERS_LIGHT
-    if specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE {
-        shaded.leaving = left_by_fog(pbr, pixel);
-        let arguments = specialization::unpack_arguments(pixel.specialization_word);
-        if !unpack_subsurface_colors_before(arguments) {
-            let albedo = max(pbr.material.base_color.rgb, vec3(LEAST_ALBEDO));
-            shaded.entering /= albedo;
-            shaded.leaving *= albedo;
-        }
-    }
-#endif
-#ifdef DEBUG_VIEW
-    if !is_shown_at(pixel.position) {
+    apply_fog_and_base_color(pbr, pixel, &shaded);
+#else
+    if !shows_part_of_light(pixel) {
         shaded.color = behind_fog(pbr, shaded.color);
     }
-#else
-    shaded.color = behind_fog(pbr, shaded.color);
 #endif
 #ifdef SHOWS_CHANNEL
     // Light is computed all the same: effects of the next frame read it.
@@ -233,25 +222,54 @@ fn behind_fog(pbr: PbrInput, color: vec4<f32>) -> vec4<f32> {
     return main_pass_post_lighting_processing(pbr, color);
 }
 
-#ifdef SCATTERS_LIGHT
-/// Share of the surface's light seen through fog; 0 where scattered light is not shown.
-fn left_by_fog(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
+/// True where a debug view shows part of the light, without fog.
+fn shows_part_of_light(pixel: Pixel) -> bool {
 #ifdef DEBUG_VIEW
-    if is_shown_at(pixel.position) {
-#ifdef DEBUG_DIFFUSE_LIGHT
-        return vec3(1.0);
+    return is_shown_at(pixel.position);
 #else
-        return vec3(0.0);
+    return false;
+#endif
+}
+
+#ifdef SCATTERS_LIGHT
+/// Applies fog to the pixel's colour. Where light scatters beneath the surface, also finds the factor of light that leaves it, and
+/// divides light that enters it by the base colour if that is applied after scattering.
+fn apply_fog_and_base_color(pbr: PbrInput, pixel: Pixel, shaded: ptr<function, Shaded>) {
+    let scatters = specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE;
+    var leaving = vec3(1.0);
+    if !shows_part_of_light(pixel) {
+        // Fog before white less fog before black, by one call: its code is long.
+        var of_fog = vec3(0.0);
+        let last = select(0u, 2u, scatters);
+        for (var i = 0u; i <= last; i++) {
+            var light = (*shaded).color;
+            if i < last {
+                light = vec4(vec3(f32(i)), 1.0);
+            }
+            let seen = behind_fog(pbr, light);
+            if i == last {
+                (*shaded).color = seen;
+            } else if i == 1u {
+                leaving = saturate(seen.rgb - of_fog);
+            } else {
+                of_fog = seen.rgb;
+            }
+        }
+    } else {
+#ifndef DEBUG_DIFFUSE_LIGHT
+        leaving = vec3(0.0);
 #endif
     }
-#endif
-#ifdef DISTANCE_FOG
-    let of_fog = behind_fog(pbr, vec4(0.0, 0.0, 0.0, 1.0));
-    let of_both = behind_fog(pbr, vec4(1.0));
-    return saturate(of_both.rgb - of_fog.rgb);
-#else
-    return vec3(1.0);
-#endif
+    if !scatters {
+        return;
+    }
+    (*shaded).leaving = leaving;
+    let arguments = specialization::unpack_arguments(pixel.specialization_word);
+    if !unpack_subsurface_colors_before(arguments) {
+        let albedo = max(pbr.material.base_color.rgb, vec3(LEAST_ALBEDO));
+        (*shaded).entering /= albedo;
+        (*shaded).leaving *= albedo;
+    }
 }
 #endif
 
