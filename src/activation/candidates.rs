@@ -2,7 +2,10 @@
 
 use core::iter::once;
 
-use bevy::render::{render_resource::PipelineCache, sync_world::MainEntity};
+use bevy::render::{
+    render_resource::{CachedComputePipelineId, PipelineCache},
+    sync_world::MainEntity,
+};
 
 use super::inputs::RequestedViewItem;
 use crate::{
@@ -118,13 +121,12 @@ impl PipelineSelection<'_> {
         }
         let is_lit = self.may_be_general()
             && ((may_fit && self.include(key, lighting))
-                || (self.pipelines.general_for(key)).any(|key| self.are_set(key, lighting)));
+                || (self.pipelines.general_for(key))
+                    .is_some_and(|key| self.are_set(key, lighting)));
         if may_fit && self.may_request(key, is_lit, lighting) {
-            let queued: Option<Vec<_>> = key
-                .dispatches()
-                .map(|key| Some((key, self.pipelines.request(self.cache, self.watch, key)?)))
-                .collect();
-            if let Some(queued) = queued.filter(|_| !is_lit) {
+            if is_lit {
+                self.request_next(key);
+            } else if let Some(queued) = self.request_all(key) {
                 lighting.pipelines = queued;
             }
         }
@@ -137,9 +139,36 @@ impl PipelineSelection<'_> {
         let is_lit = self.may_be_general();
         if self.may_fit(key) && !self.has_level_for(key) && self.may_request(key, is_lit, lighting)
         {
-            for key in key.dispatches() {
-                self.pipelines.request(self.cache, self.watch, key);
+            if is_lit {
+                self.request_next(key);
+            } else {
+                self.request_all(key);
             }
+        }
+    }
+
+    /// Queues the pipelines that fit `key`, and returns them unless some are withheld.
+    fn request_all(
+        &mut self,
+        key: LightingKey,
+    ) -> Option<Vec<(LightingKey, CachedComputePipelineId)>> {
+        let mut pipelines = key.dispatches();
+        pipelines.try_fold(Vec::new(), |mut queued, key| {
+            queued.push((key, self.pipelines.request(self.cache, self.watch, key)?));
+            Some(queued)
+        })
+    }
+
+    /// Queues one of the pipelines that fit `key`, once no other of lighting is compiled. A frame for which Bevy waits for a pipeline of
+    /// its own, as with the first camera drawn over another one, waits for those queued before.
+    fn request_next(&mut self, key: LightingKey) {
+        let mut missing = key
+            .dispatches()
+            .filter(|key| !self.pipelines.is_requested(*key));
+        if let Some(missing) = missing.next()
+            && !self.pipelines.are_compiling(self.cache)
+        {
+            self.pipelines.request(self.cache, self.watch, missing);
         }
     }
 

@@ -11,11 +11,10 @@ use crate::{
     view::{GBufferTargets, LightCulling, LightingIo, LightingVariants},
 };
 
-/// The filter of shadow maps: a setting of the camera by which general pipelines are compiled.
-pub(super) const SHADOW_FILTER: MeshPipelineKey =
-    MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
+/// The filter of shadow maps, a setting of the camera. General pipelines have all of them.
+const SHADOW_FILTER: MeshPipelineKey = MeshPipelineKey::SHADOW_FILTER_METHOD_RESERVED_BITS;
 
-/// The filter and the application of ambient occlusion: another such setting.
+/// Ambient occlusion, and all settings of its filter and its application.
 pub(super) const OCCLUSION: LightingIo = LightingIo::AMBIENT_OCCLUSION
     .union(LightingIo::OCCLUSION_FILTER)
     .union(LightingIo::OCCLUSION_MULTIBOUNCE)
@@ -38,7 +37,7 @@ impl LightingKey {
             rect_lights: true,
             decals: true,
             debug_view: None,
-            io: EXCHANGED_LIGHT | LightingIo::AMBIENT_OCCLUSION,
+            io: EXCHANGED_LIGHT | OCCLUSION,
             scatters: true,
             light_layers: true,
             lightmaps: true,
@@ -75,20 +74,6 @@ impl LightingKey {
             && self.shaded.contains(need.shaded)
     }
 
-    /// This general key for a camera with the settings in `need`.
-    pub(super) fn with_settings_of(self, need: Self) -> Self {
-        let occlusion = if self.io.contains(LightingIo::AMBIENT_OCCLUSION) {
-            need.io & OCCLUSION
-        } else {
-            LightingIo::empty()
-        };
-        Self {
-            view: self.view | (need.view & SHADOW_FILTER),
-            io: (self.io - OCCLUSION) | occlusion,
-            ..self
-        }
-    }
-
     /// This general key for the dispatches of a view with the key `need`.
     pub(super) fn with_dispatches_of(self, need: Self) -> Self {
         let has_special = !need.shaded.is_empty();
@@ -104,9 +89,7 @@ impl LightingKey {
 
     /// True if general pipelines with this key light a view with the key `need`.
     pub(super) fn covers(self, need: Self) -> bool {
-        let has_shadows = need.shadow_maps.intersects(ShadowMaps::OF_ANY_LIGHT);
-        let has_occlusion = need.io.contains(LightingIo::AMBIENT_OCCLUSION);
-        let filter = |key: Self| key.view & SHADOW_FILTER;
+        let lit_by = EXCHANGED_LIGHT | OCCLUSION;
         let parts = [
             (self.rect_lights, need.rect_lights),
             (self.decals, need.decals),
@@ -116,11 +99,9 @@ impl LightingKey {
         ];
         need.debug_view.is_none()
             && self.view.contains(need.view - SHADOW_FILTER)
-            && (!has_shadows || filter(self) == filter(need))
             && self.clustered_lights.contains(need.clustered_lights)
             && self.shadow_maps.contains(need.shadow_maps)
-            && self.io.contains(need.io & EXCHANGED_LIGHT)
-            && (!has_occlusion || self.io & OCCLUSION == need.io & OCCLUSION)
+            && self.io.contains(need.io & lit_by)
             && self.targets.contains(need.targets)
             && self.shaded.contains(need.shaded)
             && parts.into_iter().all(|(has, needs)| has || !needs)
@@ -130,7 +111,7 @@ impl LightingKey {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::DebugView;
+    use crate::{lighting::parts::LightingParts, view::DebugView};
 
     fn room() -> LightingKey {
         LightingKey::with_all_parts()
@@ -178,7 +159,7 @@ mod tests {
             },
         ];
         for need in needs {
-            assert!(room().with_settings_of(need).covers(need), "{need:?}");
+            assert!(room().covers(need), "{need:?}");
         }
         let without_decals = LightingKey {
             decals: false,
@@ -188,40 +169,26 @@ mod tests {
             decals: true,
             ..sun()
         };
-        assert!(!without_decals.with_settings_of(decals).covers(decals));
+        assert!(!without_decals.covers(decals));
     }
 
     #[test]
-    fn settings_of_cameras_are_not_mixed_up() {
-        let general = room().with_settings_of(sun());
-        let other_filter = LightingKey {
+    fn general_pipelines_have_all_settings_of_cameras() {
+        let other_settings = LightingKey {
             view: MeshPipelineKey::SHADOW_FILTER_METHOD_TEMPORAL,
+            io: LightingIo::AMBIENT_OCCLUSION | LightingIo::OCCLUSION_HALF,
             ..sun()
         };
-        assert!(!general.covers(other_filter));
-        let without_shadows = LightingKey {
-            shadow_maps: ShadowMaps::empty(),
-            ..other_filter
-        };
-        assert!(general.covers(without_shadows));
-
-        let occluded = |filter| LightingKey {
-            io: LightingIo::AMBIENT_OCCLUSION | filter,
-            ..sun()
-        };
-        let half = occluded(LightingIo::OCCLUSION_HALF);
-        assert!(!general.covers(half));
-        let general = room().with_settings_of(half);
-        assert!(general.covers(half));
-        assert!(!general.covers(occluded(LightingIo::OCCLUSION_WIDE)));
-        // Occlusion that is gone needs no other pipeline.
-        assert!(general.covers(sun()));
+        assert!(room().covers(other_settings));
+        let parts = other_settings.parts();
+        assert!(parts.contains(LightingParts::TEMPORAL_SHADOWS | LightingParts::OCCLUSION_HALF));
+        assert!(!parts.intersects(LightingParts::GAUSSIAN_SHADOWS | LightingParts::OCCLUSION_WIDE));
 
         let shown = LightingKey {
             debug_view: Some(DebugView::Normal),
             ..sun()
         };
-        assert!(!general.covers(shown));
+        assert!(!room().covers(shown));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use bevy::{
 };
 
 use super::{
-    coverage::{EXCHANGED_LIGHT, OCCLUSION, SHADOW_FILTER},
+    coverage::{EXCHANGED_LIGHT, OCCLUSION},
     features::LightingKey,
     layouts::descriptors,
     pipeline::LightingPipelines,
@@ -107,12 +107,11 @@ impl LightingPipelines {
 
     /// True if general pipelines can light a view with the key `need` on this device.
     pub(crate) fn have_room_for(&self, need: LightingKey) -> bool {
-        let room = self.room.map(|room| room.with_settings_of(need));
-        room.is_some_and(|general| general.covers(need))
+        self.room.is_some_and(|general| general.covers(need))
     }
 
-    /// Queues general pipelines for a view with the key `need`, as far as the budget of `watch` admits, unless they are queued or
-    /// the device has no room for them.
+    /// Queues the general pipelines, as far as the budget of `watch` admits, unless they are queued or light no view with the key
+    /// `need`.
     pub(crate) fn request_general(
         &mut self,
         pipeline_cache: &PipelineCache,
@@ -120,46 +119,26 @@ impl LightingPipelines {
         need: LightingKey,
     ) {
         let need = need.without_debug_view();
-        let mut known = self.general.iter();
-        let general = match known.find(|general| general.covers(need)) {
-            Some(general) => *general,
-            None => {
-                let Some(room) = self.room else {
-                    return;
-                };
-                let general = room.with_settings_of(need);
-                if !general.covers(need) {
-                    return;
-                }
-                let device = &self.device;
-                self.placeholders
-                    .get_or_insert_with(|| Placeholders::new(device, room));
-                self.general.push(general);
-                general
-            }
+        let Some(general) = self.room.filter(|general| general.covers(need)) else {
+            return;
         };
+        let device = &self.device;
+        self.placeholders
+            .get_or_insert_with(|| Placeholders::new(device, general));
         for key in general.dispatches() {
             self.request(pipeline_cache, watch, key);
         }
     }
 
-    /// The keys of general pipelines that light a view with the key `need`. They may still be compiling.
-    pub(crate) fn general_for(&self, need: LightingKey) -> impl Iterator<Item = LightingKey> {
-        let general = self.general.iter().filter(move |key| key.covers(need));
-        general.map(move |key| key.with_dispatches_of(need))
+    /// The key of the general pipelines that light a view with the key `need`, if they do. They may still be compiling.
+    pub(crate) fn general_for(&self, need: LightingKey) -> Option<LightingKey> {
+        let general = self.room.filter(|general| general.covers(need));
+        general.map(|key| key.with_dispatches_of(need))
     }
 
-    /// As [`general_for`](Self::general_for), without the debug view, and with shadows filtered in any way: for frames in
-    /// which there is nothing better.
-    pub(crate) fn general_like(&self, need: LightingKey) -> impl Iterator<Item = LightingKey> {
-        let need = need.without_debug_view();
-        self.general.iter().filter_map(move |key| {
-            let need = LightingKey {
-                view: (need.view - SHADOW_FILTER) | (key.view & SHADOW_FILTER),
-                ..need
-            };
-            key.covers(need).then(|| key.with_dispatches_of(need))
-        })
+    /// As [`general_for`](Self::general_for), without the debug view: for frames in which there is nothing better.
+    pub(crate) fn general_like(&self, need: LightingKey) -> Option<LightingKey> {
+        self.general_for(need.without_debug_view())
     }
 }
 

@@ -37,6 +37,20 @@ bitflags! {
         const AMBIENT_OCCLUSION = 1 << 11;
         /// Output of the light that enters scattering surfaces.
         const SCATTERS_LIGHT = 1 << 12;
+        /// The filter of shadow maps, a setting of the camera: Gaussian.
+        const GAUSSIAN_SHADOWS = 1 << 13;
+        /// The same: temporal.
+        const TEMPORAL_SHADOWS = 1 << 14;
+        /// A setting of ambient occlusion: [`LightingIo::OCCLUSION_WIDE`].
+        const OCCLUSION_WIDE = 1 << 15;
+        /// [`LightingIo::OCCLUSION_EDGE_AWARE`].
+        const OCCLUSION_EDGE_AWARE = 1 << 16;
+        /// [`LightingIo::OCCLUSION_HALF`].
+        const OCCLUSION_HALF = 1 << 17;
+        /// [`LightingIo::OCCLUSION_MULTIBOUNCE`].
+        const OCCLUSION_MULTIBOUNCE = 1 << 18;
+        /// [`LightingIo::OCCLUSION_OF_DIRECT_LIGHT`].
+        const OCCLUSION_OF_DIRECT_LIGHT = 1 << 19;
     }
 }
 
@@ -46,6 +60,7 @@ impl LightingKey {
         use MeshPipelineKey as View;
         let view = |bit| self.view.contains(bit);
         let io = |what| self.io.contains(what);
+        let shadow_filter = self.view & View::SHADOW_FILTER_METHOD_RESERVED_BITS;
         [
             (view(View::ENVIRONMENT_MAP), LightingParts::ENVIRONMENT_MAP),
             (
@@ -78,6 +93,34 @@ impl LightingKey {
                 LightingParts::AMBIENT_OCCLUSION,
             ),
             (self.scatters, LightingParts::SCATTERS_LIGHT),
+            (
+                shadow_filter == View::SHADOW_FILTER_METHOD_GAUSSIAN,
+                LightingParts::GAUSSIAN_SHADOWS,
+            ),
+            (
+                shadow_filter == View::SHADOW_FILTER_METHOD_TEMPORAL,
+                LightingParts::TEMPORAL_SHADOWS,
+            ),
+            (
+                io(LightingIo::OCCLUSION_WIDE),
+                LightingParts::OCCLUSION_WIDE,
+            ),
+            (
+                io(LightingIo::OCCLUSION_EDGE_AWARE),
+                LightingParts::OCCLUSION_EDGE_AWARE,
+            ),
+            (
+                io(LightingIo::OCCLUSION_HALF),
+                LightingParts::OCCLUSION_HALF,
+            ),
+            (
+                io(LightingIo::OCCLUSION_MULTIBOUNCE),
+                LightingParts::OCCLUSION_MULTIBOUNCE,
+            ),
+            (
+                io(LightingIo::OCCLUSION_OF_DIRECT_LIGHT),
+                LightingParts::OCCLUSION_OF_DIRECT_LIGHT,
+            ),
         ]
         .into_iter()
         .filter_map(|(is_needed, part)| is_needed.then_some(part))

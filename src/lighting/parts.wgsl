@@ -19,6 +19,13 @@ const INDIRECT_SPECULAR: u32 = 0x200u;
 const INDIRECT_DIFFUSE: u32 = 0x400u;
 const AMBIENT_OCCLUSION: u32 = 0x800u;
 const SCATTERS_LIGHT: u32 = 0x1000u;
+const GAUSSIAN_SHADOWS: u32 = 0x2000u;
+const TEMPORAL_SHADOWS: u32 = 0x4000u;
+const OCCLUSION_WIDE: u32 = 0x8000u;
+const OCCLUSION_EDGE_AWARE: u32 = 0x10000u;
+const OCCLUSION_HALF: u32 = 0x20000u;
+const OCCLUSION_MULTIBOUNCE: u32 = 0x40000u;
+const OCCLUSION_OF_DIRECT_LIGHT: u32 = 0x80000u;
 
 /// True if the view needs one of these parts, each of which the shader is compiled with. The same for all invocations. Other
 /// pipelines are compiled with what the view needs alone, so there it is a constant.

@@ -7,8 +7,8 @@ use bevy::{
     prelude::*,
     render::{
         render_resource::{
-            CachedComputePipelineId, ComputePipelineDescriptor, PipelineCache, Sampler,
-            SamplerDescriptor,
+            CachedComputePipelineId, CachedPipelineState, ComputePipelineDescriptor, PipelineCache,
+            Sampler, SamplerDescriptor,
         },
         renderer::{RenderAdapter, RenderDevice},
         sync_world::MainEntity,
@@ -35,10 +35,8 @@ pub(crate) struct LightingPipelines {
     mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
-    /// The parts that general pipelines have on this device, if it can have such pipelines.
+    /// The key of the general pipelines of this device, if it can have any.
     pub(super) room: Option<LightingKey>,
-    /// The keys of the general pipelines that were requested.
-    pub(super) general: Vec<LightingKey>,
     /// The keys of the level that each camera was prewarmed for last.
     levels: Vec<(MainEntity, LightingKey)>,
     /// Created with the first of these.
@@ -62,7 +60,6 @@ pub(super) fn init_lighting_pipelines(
         shader: load_embedded_asset!(asset_server.as_ref(), "lighting.wgsl"),
         by_key: HashMap::default(),
         room: room(&mesh_pipeline, &render_device, &render_adapter),
-        general: Vec::new(),
         levels: Vec::new(),
         placeholders: None,
         device: render_device.clone(),
@@ -90,6 +87,18 @@ impl LightingPipelines {
     /// True if the pipeline for `key` was requested.
     pub(crate) fn is_requested(&self, key: LightingKey) -> bool {
         self.by_key.contains_key(&key)
+    }
+
+    /// True if a requested pipeline is still to be compiled.
+    pub(crate) fn are_compiling(&self, pipeline_cache: &PipelineCache) -> bool {
+        let mut ids = self.by_key.values().map(|(id, _)| *id);
+        ids.any(|id| {
+            let state = pipeline_cache.get_compute_pipeline_state(id);
+            matches!(
+                state,
+                CachedPipelineState::Queued | CachedPipelineState::Creating(_)
+            )
+        })
     }
 
     /// True if the device has bindings for all dispatches of a view with `key`.

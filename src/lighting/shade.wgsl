@@ -176,7 +176,9 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         if parts::has(parts::AMBIENT_OCCLUSION) {
             let visibility = apply_occlusion(&pbr, pixel.position, pixel.depth);
 #ifdef OCCLUSION_OF_DIRECT_LIGHT
-            direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
+            if parts::has(parts::OCCLUSION_OF_DIRECT_LIGHT) {
+                direct_visibility = 1.0 - uniforms.occlusion_of_direct_light * (1.0 - visibility);
+            }
 #endif
         }
 #endif

@@ -13,7 +13,8 @@
 
 #ifdef LEAN_AMBIENT_OCCLUSION
 #import bevy_lean_deferred::lighting::bindings::{nearest_sampler, occlusion_texture, uniforms}
-#import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
+#import bevy_lean_deferred::lighting::parts
+#import bevy_lean_deferred::occlusion_filter::{FilterKind, OcclusionFilter, compiled_kind, filtered_occlusion}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -25,6 +26,19 @@ fn apply_ssao(pbr: ptr<function, PbrInput>, pixel: vec2<i32>) {
 #endif
 
 #ifdef LEAN_AMBIENT_OCCLUSION
+/// The filter of the view's occlusion.
+fn filter_kind() -> FilterKind {
+#ifdef SUPERSET
+    return FilterKind(
+        parts::has(parts::OCCLUSION_HALF),
+        parts::has(parts::OCCLUSION_WIDE),
+        parts::has(parts::OCCLUSION_EDGE_AWARE),
+    );
+#else
+    return compiled_kind();
+#endif
+}
+
 /// Applies occlusion, also to the light of lightmaps, and returns the visibility.
 fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -> f32 {
     let parameters = OcclusionFilter(
@@ -38,14 +52,16 @@ fn apply_occlusion(pbr: ptr<function, PbrInput>, pixel: vec2<i32>, depth: f32) -
         nearest_sampler,
         depth_texture,
         parameters,
+        filter_kind(),
         pixel - vec2<i32>(uniforms.viewport_origin),
         depth,
     );
     let visibility = 1.0 - occlusion;
+    var tinted = vec3(visibility);
 #ifdef OCCLUSION_MULTIBOUNCE
-    let tinted = ssao_multibounce(visibility, (*pbr).material.base_color.rgb);
-#else
-    let tinted = vec3(visibility);
+    if parts::has(parts::OCCLUSION_MULTIBOUNCE) {
+        tinted = ssao_multibounce(visibility, (*pbr).material.base_color.rgb);
+    }
 #endif
     apply_visibility(pbr, visibility, tinted);
 #ifdef LIGHTMAPPED_SURFACES

@@ -13,6 +13,31 @@ struct OcclusionFilter {
     viewport_size: vec2<u32>,
 }
 
+/// Kind of the filter: 3×3 texels if neither half nor wide.
+struct FilterKind {
+    /// 4×4 texels of a texture with half the size of the view per axis.
+    is_half: bool,
+    /// 5×5 texels.
+    is_wide: bool,
+    /// Ignores neighbours across a depth step.
+    is_edge_aware: bool,
+}
+
+/// The kind that the shader is compiled for.
+fn compiled_kind() -> FilterKind {
+    var kind: FilterKind;
+#ifdef OCCLUSION_HALF
+    kind.is_half = true;
+#endif
+#ifdef OCCLUSION_WIDE
+    kind.is_wide = true;
+#endif
+#ifdef OCCLUSION_EDGE_AWARE
+    kind.is_edge_aware = true;
+#endif
+    return kind;
+}
+
 /// Gathers 2×2 texels, of which `first` has the least coordinates. The components are the texels (0, 1), (1, 1), (1, 0), (0, 0)
 /// relative to it.
 fn gather_at(occlusion: texture_2d<f32>, nearest: sampler, first: vec2<i32>) -> vec4<f32> {
@@ -52,22 +77,23 @@ fn edge_weight(plane: DepthPlane, depth: f32, offset: vec2<i32>) -> f32 {
     return saturate(1.0 - abs(depth - expected) * plane.inverse_step);
 }
 
-/// Filtered occlusion of a viewport `pixel`, 0 to 1. `center` is its depth.
-fn filtered_occlusion(
+/// Weighted sum of occlusion around a pixel, and the sum of the weights.
+struct OcclusionSum {
+    sum: f32,
+    weights: f32,
+}
+
+/// From half resolution: 1 2 1 after linear interpolation. Even and odd texels weigh the same, which also removes the 2×2 pattern.
+fn sum_of_half(
     occlusion: texture_2d<f32>,
     nearest: sampler,
     depth: texture_depth_2d,
     parameters: OcclusionFilter,
     pixel: vec2<i32>,
-    center: f32,
-) -> f32 {
-    var sum = 0.0;
-    var weights = 0.0;
-#ifdef OCCLUSION_EDGE_AWARE
-    let plane = depth_plane(depth, parameters, pixel, center);
-#endif
-#ifdef OCCLUSION_HALF
-    // 1 2 1 after linear interpolation. Even and odd texels weigh the same, which also removes the 2×2 pattern.
+    plane: DepthPlane,
+    is_edge_aware: bool,
+) -> OcclusionSum {
+    var result: OcclusionSum;
     let base = pixel >> vec2(1u);
     let odd = vec2<f32>(pixel & vec2(1)) * 0.5;
     var mean = 0.0;
@@ -81,19 +107,32 @@ fn filtered_occlusion(
             var weight = clipped.x * clipped.y;
             // The weights add up to 4.
             mean += 0.25 * weight * values[j];
-#ifdef OCCLUSION_EDGE_AWARE
-            let offset = 2 * (base + texel) - pixel;
-            weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset) + 1e-3;
-#endif
-            sum += weight * values[j];
-            weights += weight;
+            if is_edge_aware {
+                let offset = 2 * (base + texel) - pixel;
+                weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset) + 1e-3;
+            }
+            result.sum += weight * values[j];
+            result.weights += weight;
         }
     }
     // A few texels of the same surface do not cover all directions. Where less than half of the weight remains, occlusion above
     // the unweighted mean counts less, so that no single texel turns a pixel black.
-    sum = mix(min(sum, mean * weights), sum, saturate(0.5 * weights));
-#else ifdef OCCLUSION_WIDE
-    // 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers.
+    let bounded = min(result.sum, mean * result.weights);
+    result.sum = mix(bounded, result.sum, saturate(0.5 * result.weights));
+    return result;
+}
+
+/// Of 5×5 texels: 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers.
+fn sum_of_wide(
+    occlusion: texture_2d<f32>,
+    nearest: sampler,
+    depth: texture_depth_2d,
+    parameters: OcclusionFilter,
+    pixel: vec2<i32>,
+    plane: DepthPlane,
+    is_edge_aware: bool,
+) -> OcclusionSum {
+    var result: OcclusionSum;
     for (var i = 0; i < 9; i++) {
         let corner = 2 * vec2(i % 3, i / 3) - 2;
         let values = gather_at(occlusion, nearest, pixel + corner);
@@ -101,33 +140,65 @@ fn filtered_occlusion(
             let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
             let along = min(3 - abs(offset), vec2(2));
             var weight = f32(along.x * along.y);
-#ifdef OCCLUSION_EDGE_AWARE
-            if along.x * along.y > 0 && any(offset != vec2(0)) {
+            if is_edge_aware && along.x * along.y > 0 && any(offset != vec2(0)) {
                 weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
             }
-#endif
-            sum += weight * values[j];
-            weights += weight;
+            result.sum += weight * values[j];
+            result.weights += weight;
         }
     }
-#else
+    return result;
+}
+
+/// Of 3×3 texels. The four gathers overlap: they read the centre four times and its direct neighbours twice.
+fn sum_of_narrow(
+    occlusion: texture_2d<f32>,
+    nearest: sampler,
+    depth: texture_depth_2d,
+    parameters: OcclusionFilter,
+    pixel: vec2<i32>,
+    plane: DepthPlane,
+    is_edge_aware: bool,
+) -> OcclusionSum {
+    var result: OcclusionSum;
     for (var i = 0; i < 4; i++) {
-        // The four gathers overlap: they read the centre four times and its direct neighbours twice.
         let corner = vec2((i & 1) - 1, (i >> 1u) - 1);
         let values = gather_at(occlusion, nearest, pixel + corner);
         for (var j = 0; j < 4; j++) {
             let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
             let distance = abs(offset.x) + abs(offset.y);
             var weight = 1.0;
-#ifdef OCCLUSION_EDGE_AWARE
-            if distance > 0 {
+            if is_edge_aware && distance > 0 {
                 weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
             }
-#endif
-            sum += weight * values[j];
-            weights += weight;
+            result.sum += weight * values[j];
+            result.weights += weight;
         }
     }
-#endif
-    return saturate(sum / weights * parameters.intensity);
+    return result;
+}
+
+/// Filtered occlusion of a viewport `pixel`, 0 to 1. `center` is its depth.
+fn filtered_occlusion(
+    occlusion: texture_2d<f32>,
+    nearest: sampler,
+    depth: texture_depth_2d,
+    parameters: OcclusionFilter,
+    kind: FilterKind,
+    pixel: vec2<i32>,
+    center: f32,
+) -> f32 {
+    var plane: DepthPlane;
+    if kind.is_edge_aware {
+        plane = depth_plane(depth, parameters, pixel, center);
+    }
+    var result: OcclusionSum;
+    if kind.is_half {
+        result = sum_of_half(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
+    } else if kind.is_wide {
+        result = sum_of_wide(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
+    } else {
+        result = sum_of_narrow(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
+    }
+    return saturate(result.sum / result.weights * parameters.intensity);
 }

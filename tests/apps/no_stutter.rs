@@ -3,6 +3,7 @@
 //! In processes of their own: compilation is delayed in all of the process.
 
 use bevy::{
+    light::ShadowFilteringMethod,
     pbr::{ContactShadows, DistanceFog},
     prelude::*,
     render::{
@@ -101,6 +102,14 @@ const CHANGES: &[(&str, Change)] = &[
         });
     }),
     ("no rectangular light", remove_lights),
+    ("shadow filter", |world, subject| {
+        let filter = ShadowFilteringMethod::Hardware2x2;
+        world.entity_mut(subject.camera).insert(filter);
+    }),
+    ("ambient occlusion", |world, subject| {
+        let occlusion = LeanScreenSpaceAmbientOcclusion::default();
+        world.entity_mut(subject.camera).insert(occlusion);
+    }),
     ("orthographic projection", |world, subject| {
         let projection = OrthographicProjection {
             scale: 0.05,

@@ -1,13 +1,14 @@
 //! Pictures of cameras that general lighting pipelines light.
 
 use bevy::{
-    light::AmbientLight,
+    light::{AmbientLight, ShadowFilteringMethod},
     pbr::{ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion},
     prelude::*,
 };
 use bevy_lean_deferred::{
     LeanDeferred, LeanResolution, LeanScreenSpaceAmbientOcclusion, LeanScreenSpaceGi,
-    LeanScreenSpaceReflections, lighting::CompiledLighting,
+    LeanScreenSpaceReflections, effects::ambient_occlusion::OcclusionFilter,
+    lighting::CompiledLighting,
 };
 use kit::{
     headless::{Headless, Picture, small_shadow_maps},
@@ -117,6 +118,34 @@ const CHANGES: &[(&str, Change, Change)] = &[
         |world, camera| {
             let mut camera = world.entity_mut(camera);
             camera.remove::<LeanScreenSpaceAmbientOcclusion>();
+        },
+    ),
+    (
+        "wide_occlusion",
+        |world, camera| {
+            let mut occlusion = LeanScreenSpaceAmbientOcclusion {
+                resolution: LeanResolution::Full,
+                ..default()
+            };
+            occlusion.advanced.filter = OcclusionFilter::Wide;
+            occlusion.advanced.edge_aware = false;
+            occlusion.direct_light = 0.5;
+            world.entity_mut(camera).insert(occlusion);
+        },
+        |world, camera| {
+            let mut camera = world.entity_mut(camera);
+            camera.remove::<LeanScreenSpaceAmbientOcclusion>();
+        },
+    ),
+    (
+        "shadow_filter",
+        |world, camera| {
+            let filter = ShadowFilteringMethod::Hardware2x2;
+            world.entity_mut(camera).insert(filter);
+        },
+        |world, camera| {
+            let mut camera = world.entity_mut(camera);
+            camera.remove::<ShadowFilteringMethod>();
         },
     ),
     (

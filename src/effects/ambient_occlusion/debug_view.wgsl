@@ -2,7 +2,7 @@
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::{
     depth_texture, nearest_sampler, occlusion_texture, view,
 }
-#import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, filtered_occlusion}
+#import bevy_lean_deferred::occlusion_filter::{OcclusionFilter, compiled_kind, filtered_occlusion}
 
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
@@ -12,7 +12,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if depth > 0.0 {
         let parameters = OcclusionFilter(view.edge.xyz, view.intensity, view.viewport_origin, view.viewport_size);
         occlusion = filtered_occlusion(
-            occlusion_texture, nearest_sampler, depth_texture, parameters, pixel, depth,
+            occlusion_texture, nearest_sampler, depth_texture, parameters, compiled_kind(), pixel, depth,
         );
     }
     return vec4(vec3(1.0 - occlusion), 1.0);

@@ -6,6 +6,84 @@
 #import bevy_pbr::shadow_sampling
 #import bevy_pbr::shadows::{fetch_directional_shadow, fetch_point_shadow, fetch_spot_shadow}
 
+#ifdef SUPERSET
+#import bevy_lean_deferred::lighting::parts
+
+// Like Bevy's, which are compiled for one filter, with the view's.
+
+override fn shadow_sampling::sample_shadow_map(
+    light_local: vec2<f32>,
+    depth: f32,
+    array_index: i32,
+    frag_coord_xy: vec2<f32>,
+    texel_size: f32,
+) -> f32 {
+    if parts::has(parts::GAUSSIAN_SHADOWS) {
+        return shadow_sampling::sample_shadow_map_castano_thirteen(light_local, depth, array_index);
+    }
+    if parts::has(parts::TEMPORAL_SHADOWS) {
+        return shadow_sampling::sample_shadow_map_jimenez_fourteen(
+            light_local, depth, array_index, frag_coord_xy, texel_size, 1.0, true);
+    }
+    return shadow_sampling::sample_shadow_map_hardware(light_local, depth, array_index);
+}
+
+override fn shadow_sampling::sample_shadow_cubemap(
+    light_local: vec3<f32>,
+    distance_to_light: f32,
+    depth: f32,
+    light_id: u32,
+    frag_coord_xy: vec2<f32>,
+) -> f32 {
+    if parts::has(parts::GAUSSIAN_SHADOWS) {
+        return shadow_sampling::sample_shadow_cubemap_gaussian(
+            light_local, depth, shadow_sampling::POINT_SHADOW_SCALE, distance_to_light, light_id);
+    }
+    if parts::has(parts::TEMPORAL_SHADOWS) {
+        return shadow_sampling::sample_shadow_cubemap_jittered(
+            light_local, depth, frag_coord_xy, shadow_sampling::POINT_SHADOW_SCALE, distance_to_light, light_id, true);
+    }
+    return shadow_sampling::sample_shadow_cubemap_hardware(light_local, depth, light_id);
+}
+
+override fn shadow_sampling::sample_shadow_map_pcss(
+    light_local: vec2<f32>,
+    depth: f32,
+    array_index: i32,
+    frag_coord_xy: vec2<f32>,
+    texel_size: f32,
+    light_size: f32,
+) -> f32 {
+    let z_blocker = shadow_sampling::search_for_blockers_in_shadow_map(
+        light_local, depth, array_index, texel_size, light_size);
+    let blur_size = max((z_blocker - depth) * light_size / depth, 0.5);
+    return shadow_sampling::sample_shadow_map_jimenez_fourteen(
+        light_local, depth, array_index, frag_coord_xy, texel_size, blur_size, parts::has(parts::TEMPORAL_SHADOWS));
+}
+
+override fn shadow_sampling::sample_shadow_cubemap_pcss(
+    light_local: vec3<f32>,
+    distance_to_light: f32,
+    depth: f32,
+    light_id: u32,
+    light_size: f32,
+    frag_coord_xy: vec2<f32>,
+) -> f32 {
+    let z_blocker = shadow_sampling::search_for_blockers_in_shadow_cubemap(
+        light_local, depth, light_size, distance_to_light, light_id);
+    let blur_size = max((z_blocker - depth) * light_size / depth, 0.5);
+    return shadow_sampling::sample_shadow_cubemap_jittered(
+        light_local,
+        depth,
+        frag_coord_xy,
+        shadow_sampling::POINT_SHADOW_SCALE * blur_size,
+        distance_to_light,
+        light_id,
+        parts::has(parts::TEMPORAL_SHADOWS),
+    );
+}
+#endif
+
 #ifdef SOFT_SHADOWS
 /// Like Bevy's, with an explicit mip: derivatives exist in fragment shaders only, and shadow maps have one mip.
 override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(

@@ -35,6 +35,10 @@ pub fn many_meshes(store: &Store) -> Table {
     store.many_meshes("h200").table(|times| times.render_world)
 }
 
+pub fn stutter(store: &Store) -> Table {
+    store.stutter("h200").table()
+}
+
 pub fn light_scaling(store: &Store) -> Table {
     store.light_scaling("h200").table()
 }

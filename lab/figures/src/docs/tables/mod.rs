@@ -15,6 +15,7 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("frame times", frames::frame_times),
     ("levels", frames::levels),
     ("many meshes", frames::many_meshes),
+    ("stutter", frames::stutter),
     ("light scaling", frames::light_scaling),
     ("light culling", frames::light_culling),
     ("optional targets", frames::optional_targets),
