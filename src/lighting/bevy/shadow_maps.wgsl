@@ -45,7 +45,39 @@ override fn shadow_sampling::sample_shadow_cubemap(
     }
     return shadow_sampling::sample_shadow_cubemap_hardware(light_local, depth, light_id);
 }
+#endif
 
+#ifdef SOFT_SHADOWS
+/// Like Bevy's, with an explicit mip: derivatives exist in fragment shaders only, and shadow maps have one mip.
+override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(
+    light_local: vec3<f32>,
+    depth: f32,
+    light_id: u32,
+) -> vec2<f32> {
+#ifdef PCSS_SAMPLERS_AVAILABLE
+#ifdef NO_CUBE_ARRAY_TEXTURES_SUPPORT
+    let sampled_depth = textureSampleLevel(
+        view_bindings::point_shadow_textures,
+        view_bindings::point_shadow_textures_linear_sampler,
+        light_local,
+        0u,
+    );
+#else
+    let sampled_depth = textureSampleLevel(
+        view_bindings::point_shadow_textures,
+        view_bindings::point_shadow_textures_linear_sampler,
+        light_local,
+        i32(light_id),
+        0u,
+    );
+#endif
+    return select(vec2(0.0), vec2(sampled_depth, 1.0), sampled_depth >= depth);
+#else
+    return vec2(0.0);
+#endif
+}
+
+#ifdef SUPERSET
 override fn shadow_sampling::sample_shadow_map_pcss(
     light_local: vec2<f32>,
     depth: f32,
@@ -82,37 +114,7 @@ override fn shadow_sampling::sample_shadow_cubemap_pcss(
         parts::has(parts::TEMPORAL_SHADOWS),
     );
 }
-#endif
-
-#ifdef SOFT_SHADOWS
-/// Like Bevy's, with an explicit mip: derivatives exist in fragment shaders only, and shadow maps have one mip.
-override fn shadow_sampling::search_for_blockers_in_shadow_cubemap_hardware(
-    light_local: vec3<f32>,
-    depth: f32,
-    light_id: u32,
-) -> vec2<f32> {
-#ifdef PCSS_SAMPLERS_AVAILABLE
-#ifdef NO_CUBE_ARRAY_TEXTURES_SUPPORT
-    let sampled_depth = textureSampleLevel(
-        view_bindings::point_shadow_textures,
-        view_bindings::point_shadow_textures_linear_sampler,
-        light_local,
-        0u,
-    );
-#else
-    let sampled_depth = textureSampleLevel(
-        view_bindings::point_shadow_textures,
-        view_bindings::point_shadow_textures_linear_sampler,
-        light_local,
-        i32(light_id),
-        0u,
-    );
-#endif
-    return select(vec2(0.0), vec2(sampled_depth, 1.0), sampled_depth >= depth);
-#else
-    return vec2(0.0);
-#endif
-}
+#endif   // SUPERSET
 #else   // SOFT_SHADOWS
 // No light has percentage-closer soft shadows, so their filters are compiled out.
 
