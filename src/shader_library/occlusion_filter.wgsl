@@ -2,6 +2,9 @@
 #define_import_path bevy_lean_deferred::occlusion_filter
 
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#ifdef OCCLUSION_HALF
+#import bevy_lean_deferred::tiles::pixel_of_texel
+#endif
 
 struct OcclusionFilter {
     /// 1 / view-space distance is `edge.x * depth + edge.y`. Its square times `edge.z` is the depth step that separates surfaces.
@@ -82,8 +85,8 @@ fn filtered_occlusion(
             // The weights add up to 4.
             mean += 0.25 * weight * values[j];
 #ifdef OCCLUSION_EDGE_AWARE
-            let offset = 2 * (base + texel) - pixel;
-            weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset) + 1e-3;
+            let other = pixel_of_texel(base + texel, 2, vec2<i32>(parameters.viewport_size));
+            weight *= edge_weight(plane, depth_in_view(depth, parameters, other), other - pixel) + 1e-3;
 #endif
             sum += weight * values[j];
             weights += weight;
@@ -91,7 +94,7 @@ fn filtered_occlusion(
     }
     // A few texels of the same surface do not cover all directions. Where less than half of the weight remains, occlusion above
     // the unweighted mean counts less, so that no single texel turns a pixel black.
-    sum = mix(min(sum, mean * weights), sum, saturate(0.5 * weights));
+    sum = mix(min(sum, mean * weights), sum, saturate(0.25 * weights * weights));
 #else ifdef OCCLUSION_WIDE
     // 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers.
     for (var i = 0; i < 9; i++) {
