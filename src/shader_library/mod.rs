@@ -10,7 +10,7 @@
 //! - `screen_ray.wgsl`: a ray on screen, and its walk from cell to cell.
 //! - `ggx.wgsl`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
-//! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, and the order of the pixels in them.
+//! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, the order of the pixels in them, and the pixels of half-resolution texels.
 //! - `workgroup.wgsl`: a vote over the invocations of a workgroup.
 //! - `rounding.wgsl`: rounding without conversions.
 

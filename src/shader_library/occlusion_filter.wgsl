@@ -2,6 +2,7 @@
 #define_import_path bevy_lean_deferred::occlusion_filter
 
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::tiles::pixel_of_texel
 
 struct OcclusionFilter {
     /// 1 / view-space distance is `edge.x * depth + edge.y`. Its square times `edge.z` is the depth step that separates surfaces.
@@ -108,8 +109,8 @@ fn sum_of_half(
             // The weights add up to 4.
             mean += 0.25 * weight * values[j];
             if is_edge_aware {
-                let offset = 2 * (base + texel) - pixel;
-                weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset) + 1e-3;
+                let other = pixel_of_texel(base + texel, 2, vec2<i32>(parameters.viewport_size));
+                weight *= edge_weight(plane, depth_in_view(depth, parameters, other), other - pixel) + 1e-3;
             }
             result.sum += weight * values[j];
             result.weights += weight;
@@ -118,7 +119,7 @@ fn sum_of_half(
     // A few texels of the same surface do not cover all directions. Where less than half of the weight remains, occlusion above
     // the unweighted mean counts less, so that no single texel turns a pixel black.
     let bounded = min(result.sum, mean * result.weights);
-    result.sum = mix(bounded, result.sum, saturate(0.5 * result.weights));
+    result.sum = mix(bounded, result.sum, saturate(0.25 * result.weights * result.weights));
     return result;
 }
 

@@ -1,4 +1,4 @@
-// 8×8 tiles in which compute passes cover a view: one workgroup of 64 invocations per tile.
+// 8×8 tiles in which compute passes cover a view: one workgroup of 64 invocations per tile. Pixels of half-resolution texels.
 #define_import_path bevy_lean_deferred::tiles
 
 const TILE_SIDE: u32 = 8u;
@@ -14,4 +14,10 @@ fn place_in_tile(i: u32) -> vec2<u32> {
 /// Pixel of an invocation, relative to the viewport's corner.
 fn pixel_in_view(tile: vec2<u32>, invocation: u32) -> vec2<u32> {
     return tile * TILE_SIDE + place_in_tile(invocation);
+}
+
+/// Pixel of a square of `side` (1 or 2) pixels that a texel shows. It changes from texel to texel: of four neighbouring texels, one shows
+/// each row and each column of their pixels, so that what is a pixel wide is seen wherever it is.
+fn pixel_of_texel(texel: vec2<i32>, side: i32, view_size: vec2<i32>) -> vec2<i32> {
+    return min(texel * side + (~texel.yx & vec2(side - 1)), view_size - 1);
 }

@@ -92,7 +92,7 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
         (Full, LeanQuality::Low, [0.0135, 0.035]),
         (Full, LeanQuality::Medium, [0.0095, 0.0365]),
         (Full, LeanQuality::High, [0.0075, 0.029]),
-        (Half, LeanQuality::Medium, [0.0140, 0.0365]),
+        (Half, LeanQuality::Medium, [0.0130, 0.033]),
     ] {
         let settings = LeanScreenSpaceAmbientOcclusion {
             resolution,

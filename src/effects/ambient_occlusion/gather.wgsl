@@ -1,7 +1,7 @@
 // Computes the occlusion of each texel: in a compute pass, or in a fragment pass where the format has no storage support.
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::{depth_at, depth_texture, is_in_view, view}
 #import bevy_lean_deferred::gbuffer::layout::is_finite
-#import bevy_lean_deferred::tiles::place_in_tile
+#import bevy_lean_deferred::tiles::{pixel_of_texel, place_in_tile}
 
 #ifdef HDAO
 #import bevy_lean_deferred::effects::ambient_occlusion::hdao::hdao
@@ -24,7 +24,7 @@ fn phase_at(texel: vec2<u32>) -> u32 {
 
 #ifdef HDAO
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
-    let pixel = vec2<i32>(texel * view.divisor);
+    let pixel = pixel_of_texel(vec2<i32>(texel), i32(view.divisor), vec2<i32>(view.viewport_size));
     let depth = depth_at(pixel);
     // Sky or NaN.
     if !(depth > 0.0) {
@@ -86,7 +86,7 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
 }
 #else
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
-    let pixel = vec2<i32>(texel * view.divisor);
+    let pixel = pixel_of_texel(vec2<i32>(texel), i32(view.divisor), vec2<i32>(view.viewport_size));
     let depth = depth_at(pixel);
     // Sky or NaN.
     if !(depth > 0.0) {
