@@ -81,6 +81,10 @@ fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     // Within the pixel, because the next one may show another surface.
     hit.place = vec3(ray.start.xy + ray.step.xy * clamp(hit.u, u - 0.4, u + 0.4), 0.0);
     hit.place.z = clamp(depth + dot(slope, hit.place.xy - center), 0.5 * depth, 2.0 * depth);
-    hit.certainty = select(certainty, 1.0, is_crossed);
+    // A ray that does not cross the plane here misses it from its thickness on. The tolerance is for curved surfaces.
+    let at = ray.start + ray.step * u;
+    let gap = depth + dot(slope, at.xy - center) - at.z;
+    let inside = (gap - edge_step(depth, 0.25)) / max(depth - behind(depth), 1e-30);
+    hit.certainty = select(select(certainty, 0.0, inside >= 1.0), 1.0, is_crossed);
     return hit;
 }
