@@ -12,8 +12,8 @@
 #import bevy_lean_deferred::workgroup::is_any
 
 /// Radius of a lobe at its hit, in texels: up to the first it counts as a single point, from the second on as the mean of rays.
-const SMOOTH_UP_TO: f32 = 0.25;
-const ROUGH_FROM: f32 = 1.0;
+const SMOOTH_UP_TO: f32 = 1.0;
+const ROUGH_FROM: f32 = 2.0;
 /// The same where that point is uncertain: a single ray would show as a speck.
 const UNCERTAIN_UP_TO: f32 = 0.125;
 const UNCERTAIN_FROM: f32 = 0.5;
