@@ -40,6 +40,12 @@ fn metres_at(ray: Ray, u: f32) -> f32 {
     return ray.metres * u / max(1.0 - ray.vanishing * u, 1e-6);
 }
 
+/// `u` at a distance from the start; 1e9 beyond the viewer's plane.
+fn at_metres(ray: Ray, metres: f32) -> f32 {
+    let along = ray.metres + ray.vanishing * metres;
+    return select(1e9, metres / along, along > 0.0);
+}
+
 /// Fade towards the edge of a picture of this `size`: 1 from `width` pixels on.
 fn rim_fade(at: vec2<f32>, size: vec2<f32>, width: f32) -> f32 {
     let room = min(at, size - at);

@@ -27,8 +27,8 @@ fn a_lamp_has_the_shape_of_the_lobe() {
 fn further_lamps_have_the_shape_of_the_lobe() {
     in_own_process(|| {
         let floors = [
-            (0.1, 0.03, 5.0),
-            (0.2, 0.023, 3.5),
+            (0.1, 0.012, 4.6),
+            (0.2, 0.012, 2.2),
             (0.3, 0.037, 1.7),
             (0.5, 0.105, 1.7),
         ];

@@ -98,10 +98,14 @@ fn unpack_begin(texel: vec2<i32>, word: u32) -> vec2<i32> {
     return min(texel * view.divisor + place_in_texel(i32(word & 3u)), vec2<i32>(view.viewport_size) - 1);
 }
 
+/// Bit of a packed hit whose ray has another direction in each of several frames.
+const CHANGES: u32 = 1u;
+
 /// Packs a hit: the distance to its mirror image, seen straight through the mirror, in metres (0: miss), and in the lower bits the
-/// weight of the ray's direction.
-fn pack_hit(distance: f32, weight: f32) -> u32 {
-    return (bitcast<u32>(distance) & 0xffffff00u) | (u32(saturate(weight) * 127.0 + 0.5) << 1u);
+/// weight of the ray's direction, and `CHANGES`.
+fn pack_hit(distance: f32, weight: f32, changes: bool) -> u32 {
+    let low = (u32(saturate(weight) * 127.0 + 0.5) << 1u) | select(0u, CHANGES, changes);
+    return (bitcast<u32>(distance) & 0xffffff00u) | low;
 }
 
 fn unpack_distance(hit: u32) -> f32 {

@@ -1,4 +1,4 @@
-// Lobes of rough surfaces in the last frames. The rays of each of four frames take another quarter of the directions, so the mean of
+// Lobes in the last frames. The scattered rays of each of four frames take another quarter of the directions, so the mean of
 // four lobes has all of them, and is the same in each frame at rest.
 #define_import_path bevy_lean_deferred::effects::reflections::lobes
 

@@ -81,6 +81,12 @@ fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     // Within the pixel, because the next one may show another surface.
     hit.place = vec3(ray.start.xy + ray.step.xy * clamp(hit.u, u - 0.4, u + 0.4), 0.0);
     hit.place.z = clamp(depth + dot(slope, hit.place.xy - center), 0.5 * depth, 2.0 * depth);
-    hit.certainty = select(certainty, 1.0, is_crossed);
+    // A ray that does not cross the plane here is behind it, by its thickness at most.
+    let at = ray.start + ray.step * u;
+    let inside = max(depth + dot(slope, at.xy - center) - at.z, 0.0) / max(depth - behind(depth), 1e-30);
+    let is_certain = abs(exact - u) < max(span, 1.0);
+    // Falls steeply near 1: curved surfaces, too, are crossed outside of their planes.
+    let squared = inside * inside;
+    hit.certainty = select(min(certainty, saturate(1.0 - squared * squared)), 1.0, is_certain);
     return hit;
 }

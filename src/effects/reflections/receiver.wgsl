@@ -2,7 +2,8 @@
 #define_import_path bevy_lean_deferred::effects::reflections::receiver
 
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
-#import bevy_lean_deferred::effects::reflections::bindings::{unpack_distance, view}
+#import bevy_lean_deferred::effects::reflections::bindings::{CHANGES, unpack_distance, view}
+#import bevy_lean_deferred::effects::reflections::surface::ROUGH
 #import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, depths, hits, likeness, lights, normals}
 
 struct Receiver {
@@ -49,14 +50,33 @@ fn lobe_width(metres: f32, distance: f32) -> f32 {
 #endif
 }
 
-/// Width on screen in pixels of a texel's lobe at the hits of the rays beside it, for a squared roughness of 1.
-fn width_at(first: i32, position: vec3<f32>) -> f32 {
+/// Hit of a ray; 0 if the ray changes from frame to frame.
+fn steady_hit(texel: i32) -> u32 {
+    let hit = hits[texel];
+    return select(hit, 0u, (hit & CHANGES) != 0u);
+}
+
+/// Rays beside a pixel of a smooth surface.
+struct Beside {
+    /// Width on screen in pixels of the lobe at the hits of those that do not change, for a squared roughness of 1.
+    width: f32,
+    /// True if one of these hits something.
+    has_hit: bool,
+    /// True if a ray of the pixel's surface changes, except for those of rough surfaces in the same plane.
+    changes: bool,
+}
+
+fn rays_beside(receiver: Receiver, first: i32, position: vec3<f32>) -> Beside {
     var sum = 0.0;
     var count = 0.0;
+    var changes = false;
     for (var i = 0; i < 4; i++) {
-        let image = unpack_distance(hits[texel_beside(first, i)]);
+        let texel = texel_beside(first, i);
+        let image = unpack_distance(steady_hit(texel));
         sum += image;
         count += select(0.0, 1.0, image > 0.0);
+        let is_smooth = unpack_halves(normals[texel]).w <= ROUGH;
+        changes |= is_smooth && receiver.alike[i] > 0.0 && (hits[texel] & CHANGES) != 0u;
     }
     let distance = length(position);
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -68,7 +88,7 @@ fn width_at(first: i32, position: vec3<f32>) -> f32 {
     // a smooth mirror's reflection.
     let metres = select(distance, sum / max(count, 1.0) - begin, count > 0.0);
     // The hit is assumed at the mirror's distance from the camera, which is accurate enough.
-    return lobe_width(metres, distance);
+    return Beside(lobe_width(metres, distance), count > 0.0, changes);
 }
 
 /// Sum of weights up to which no texel around a pixel counts as one of its surface.
@@ -80,7 +100,7 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
         let texel = texel_beside(first, i);
-        let weight = select(0.0, weight_beside(receiver, i, along), hits[texel] != 0u);
+        let weight = select(0.0, weight_beside(receiver, i, along), steady_hit(texel) != 0u);
         sum += weight * unpack_halves(lights[texel]);
         weights += weight;
     }
@@ -99,7 +119,7 @@ fn light_of_least_different(receiver: Receiver, first: i32) -> vec4<f32> {
         let texel = texel_beside(first, i);
         let off = (depths[texel] - receiver.depth) * receiver.inverse_step;
         let facing = saturate(dot(receiver.normal, unpack_halves(normals[texel]).xyz));
-        let alike = select(0.0, facing / (1.0 + off * off), hits[texel] != 0u);
+        let alike = select(0.0, facing / (1.0 + off * off), steady_hit(texel) != 0u);
         if alike > most {
             most = alike;
             light = unpack_halves(lights[texel]);

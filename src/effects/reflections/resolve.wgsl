@@ -1,7 +1,7 @@
 // Resolves the reflection of each pixel from the rays around it. A rough mirror interpolates the lobes around it. A smooth one
 // has the light of one point: the end of its own ray, which is as long as those beside it.
 #import bevy_lean_deferred::effects::reflections::bindings::{depth_texture, output_texture, view, view_position}
-#import bevy_lean_deferred::effects::reflections::receiver::{Receiver, likeness_beside, width_at}
+#import bevy_lean_deferred::effects::reflections::receiver::{Receiver, likeness_beside, rays_beside}
 #import bevy_lean_deferred::effects::reflections::rough_light::{keep_lobe, lobe_at, rough_light}
 #import bevy_lean_deferred::effects::reflections::smooth_light::smooth_light
 #import bevy_lean_deferred::effects::reflections::surface::{ROUGH, mirror_of, normal_word_at, smoothness}
@@ -11,12 +11,12 @@
 #import bevy_lean_deferred::tiles::{TILE_SIDE as TILE, place_in_tile}
 #import bevy_lean_deferred::workgroup::is_any
 
-/// Radius of a lobe at its hit, in pixels: up to the first it counts as a single point, from the second on as the mean of rays.
-const SMOOTH_UP_TO: f32 = 2.0;
-const ROUGH_FROM: f32 = 8.0;
+/// Radius of a lobe at its hit, in texels: up to the first it counts as a single point, from the second on as the mean of rays.
+const SMOOTH_UP_TO: f32 = 1.0;
+const ROUGH_FROM: f32 = 2.0;
 /// The same where that point is uncertain: a single ray would show as a speck.
-const UNCERTAIN_UP_TO: f32 = 0.25;
-const UNCERTAIN_FROM: f32 = 1.0;
+const UNCERTAIN_UP_TO: f32 = 0.125;
+const UNCERTAIN_FROM: f32 = 0.5;
 
 /// Side of a tile in pixels, and of a workgroup's output in tiles.
 const TILE_SIDE: i32 = i32(TILE);
@@ -42,10 +42,13 @@ fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
         receiver.alike[i] = likeness_beside(receiver, first, i, along);
     }
     let alpha = mirror.roughness * mirror.roughness;
-    // Single rays of rough surfaces change from frame to frame: only their mean is shown.
+    // Rays that change from frame to frame are shown only as a mean.
     var radius = 2.0 * ROUGH_FROM;
+    var changes = true;
     if mirror.roughness <= ROUGH {
-        radius = alpha * width_at(first, view_position(receiver.at, depth));
+        let beside = rays_beside(receiver, first, view_position(receiver.at, depth));
+        changes = beside.changes;
+        radius = select(alpha * beside.width / f32(DIVISOR), radius, changes && !beside.has_hit);
     }
     var roughness = smoothstep(SMOOTH_UP_TO, ROUGH_FROM, radius);
     var light = vec4(0.0);
@@ -53,6 +56,7 @@ fn light_at(pixel: vec2<i32>, first: i32, along: vec2<f32>) -> vec4<f32> {
         let found = smooth_light(receiver, first, along);
         if !found.is_certain {
             roughness = max(roughness, smoothstep(UNCERTAIN_UP_TO, UNCERTAIN_FROM, radius));
+            roughness = select(roughness, 1.0, changes && !found.is_met);
         }
         light += (1.0 - roughness) * found.light;
     }

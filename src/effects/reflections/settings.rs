@@ -4,10 +4,10 @@ use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 
 /// Screen-space reflections: traces rays through this frame's depth into the light of the last frame.
 ///
-/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which is added with it. Smooth surfaces reflect a single direction, resolved
-/// per pixel; rough ones the mean of rays in 64 directions of the GGX lobe, shared by neighbours and by four frames. Nothing flickers at
-/// rest. In lighting, reflections replace environment maps, reflection probes and ambient light with the same Fresnel, roughness and
-/// energy terms; they also work in scenes without these.
+/// For cameras with [`LeanDeferred`](crate::LeanDeferred), which is added with it. Mirrors reflect a single direction, resolved per
+/// pixel; wide lobes are the mean of rays in 64 directions of GGX, shared by neighbours and by four frames. Nothing flickers at rest. In
+/// lighting, reflections replace environment maps, reflection probes and ambient light with the same Fresnel, roughness and energy
+/// terms; they also work in scenes without these.
 ///
 /// Surfaces that are off screen, hidden or turned away are not reflected; the environment shows there, as without the component.
 /// Meshes in Bevy's forward passes are reflected only if the camera has `DepthPrepass`, and reflect only with

@@ -6,10 +6,10 @@
 }
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::receiver::{
-    Receiver, light_around, lobe_width, texel_beside,
+    Receiver, light_around, lobe_width, steady_hit, texel_beside,
 }
 #import bevy_lean_deferred::effects::reflections::surface::rotated
-#import bevy_lean_deferred::effects::reflections::texels::{hits, lights}
+#import bevy_lean_deferred::effects::reflections::texels::lights
 
 /// Gap where no surface is to be tested.
 const NOTHING_NEAR: f32 = 9.0;
@@ -33,6 +33,8 @@ struct NeighborRay {
 struct SmoothLight {
     /// Light times confidence, and confidence.
     light: vec4<f32>,
+    /// True if the pixel's own ray hits a surface of one of the rays around that do not change.
+    is_met: bool,
     /// True if the rays around hit one surface, and the pixel's own ray hits it too.
     is_certain: bool,
 }
@@ -92,7 +94,7 @@ fn neighbor_ray(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distan
     let corner = vec2(i & 1, i >> 1u);
     let near = select(1.0 - along, along, corner == vec2(1));
     let texel = texel_beside(first, i);
-    let image = unpack_distance(hits[texel]);
+    let image = unpack_distance(steady_hit(texel));
     let has_met = image != 0.0;
     let alike = receiver.alike[i];
     return NeighborRay(
@@ -175,12 +177,12 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     }
     if !(weights > 0.02) {
         // At silhouettes.
-        return SmoothLight(light_around(receiver, first, along), false);
+        return SmoothLight(light_around(receiver, first, along), false, false);
     }
     let position = origin + direction * mean.x;
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
     let light = mirrored_light(at, position, level, origin, mean.x);
     let confidence = mean.y * light.w;
-    return SmoothLight(vec4(light.rgb * confidence, confidence), is_certain);
+    return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain);
 }

@@ -21,9 +21,10 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
     // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start, and with a
     // tolerance, because what leans to the viewer is nearer there than where it touches. The pixel may also show what hides the
     // mirror: then the ray starts behind it.
-    let first = u;
+    // A scattered ray begins at 0, far from the mirror.
+    let first = select(u, -1.0, u == 0.0);
     var z = ray.start.z;
-    var was_in_front = false;
+    var was_in_front = (*state).is_in_front;
     var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
         let place = floor((walk.start + ray.step.xy * u) * inverse_side);

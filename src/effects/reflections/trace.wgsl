@@ -1,5 +1,6 @@
 // Traces a ray of the lobe of each texel's surface, a different one for each of 4×4 texels, through the depth of this frame into
-// the light of the last one.
+// the light of the last one. Rays of smooth surfaces take the mirror's direction up to where the lobe is two texels wide, and scatter
+// from there: what is nearer is exact, and blurred by the spatial filter alone, without noise.
 #import bevy_lean_deferred::ggx::sample_lobe
 #import bevy_lean_deferred::gbuffer::layout::is_finite
 #import bevy_lean_deferred::horizon::tangents
@@ -15,7 +16,7 @@
 #import bevy_lean_deferred::effects::reflections::surface::{
     Mirror, ROUGH, mirror_of, normal_word_at, rotated, smoothness, with_roughness,
 }
-#import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
+#import bevy_lean_deferred::screen_ray::{Ray, at_metres, metres_at, rim_fade}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -26,6 +27,9 @@ const LEAST_GROWTH: f32 = 0.03;
 
 /// Length of a ray in its own pixel, in whose middle it starts.
 const OWN_PIXEL: f32 = 0.5;
+
+/// Radius in texels of a smooth surface's lobe up to which its rays take the mirror's direction.
+const TOGETHER: f32 = 2.0;
 
 /// Result of a ray.
 struct TraceResult {
@@ -46,6 +50,18 @@ fn numbers_of(ray: u32, shift: vec2<f32>) -> vec2<f32> {
 /// True for a surface with a mirror of some smoothness.
 fn reflects(depth: f32, mirror: Mirror) -> bool {
     return depth > 0.0 && smoothness(mirror.roughness) > 0.0;
+}
+
+/// Metres up to which the rays of a smooth surface at `position` take the mirror's direction.
+fn metres_together(alpha: f32, position: vec3<f32>) -> f32 {
+    let wide = 2.0 * alpha * abs(view.pixels_per_metre.y);
+    let most = TOGETHER * f32(view.divisor);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return most / max(wide, 1e-9);
+#else
+    // The lobe's radius on screen approaches `wide`.
+    return select(1e9, most * length(position) / (wide - most), wide > most);
+#endif
 }
 
 fn trace_at(texel: vec2<i32>) -> TraceResult {
@@ -79,22 +95,46 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let normal = rotated(mirror.normal);
     let basis = tangents(normal);
     // Shading normals may lean away from the viewer.
-    let local = vec3(V * basis, max(dot(V, normal), 1e-3));
+    let local = normalize(vec3(V * basis, max(dot(V, normal), 1e-3)));
     let alpha = mirror.roughness * mirror.roughness;
-    // Smooth surfaces show single rays, which must not change from frame to frame.
-    let shift = select(vec2(0.0), shift_of(view.phase), is_rough);
-    let sample = sample_lobe(normalize(local), alpha, numbers_of(turn, shift));
-    result.hit = pack_hit(0.0, sample.weight);
-    if sample.weight == 0.0 {
-        return result;
-    }
-    let direction = basis * sample.direction.xy + normal * sample.direction.z;
-    let ray = ray_on_screen(start, position, direction);
+    let sample = sample_lobe(local, alpha, numbers_of(turn, shift_of(view.phase)));
+    let scattered = basis * sample.direction.xy + normal * sample.direction.z;
+    // Metres from the mirror to where the ray scatters.
+    var begin = 0.0;
+    var direction = scattered;
+    var ray: Ray;
     var hit: RayHit;
     // Segments begin in the middle of the next pixel.
-    var state = MarchState(select(OWN_PIXEL, 1.0, is_rough), true, 0.0);
-    if !is_rough {
-        hit = smooth_march::march(ray, direction, view.smooth_steps, &state);
+    var state = MarchState(select(OWN_PIXEL, 1.0, is_rough), is_rough, 0.0);
+    var is_scattered = is_rough;
+    if is_rough {
+        ray = ray_on_screen(start, position, direction);
+    } else {
+        direction = basis * -local.xy + normal * local.z;
+        ray = ray_on_screen(start, position, direction);
+        let end = ray.end;
+        let together = metres_together(alpha, position);
+        ray.end = min(end, at_metres(ray, together));
+        for (var part = 0u; part < 2u; part++) {
+            hit = smooth_march::march(ray, direction, view.smooth_steps, &state);
+            // Both parts in one loop: the march is long code.
+            let bends = !hit.is_hit && state.u >= ray.end && ray.end < end && !is_scattered;
+            if !bends {
+                break;
+            }
+            is_scattered = true;
+            begin = together;
+            let place = ray.start + ray.step * ray.end;
+            ray = ray_on_screen(place, position + direction * together, scattered);
+            direction = scattered;
+            state.u = 0.0;
+        }
+        ray.end = select(end, ray.end, is_scattered);
+    }
+    let weight = select(1.0, sample.weight, is_scattered);
+    result.hit = pack_hit(0.0, weight, is_scattered);
+    if weight == 0.0 {
+        return result;
     }
     // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
     // but all others would wait for them.
@@ -109,16 +149,22 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     }
     // Here, where the rays of a subgroup have converged again.
     hit = hit_at(ray, vec2<i32>(hit.place.xy), hit.place.z, hit.u, state.span, hit.certainty);
+    if hit.certainty == 0.0 {
+        return result;
+    }
     let hit_position = view_position(hit.place.xy, hit.place.z);
-    let metres = metres_at(ray, hit.u);
-    // As wide as this ray's share of the lobe.
+    let metres = begin + metres_at(ray, hit.u);
+    // As wide as this ray's share of the lobe, and, where rays are together, up to a texel.
     let scale = abs(view.pixels_per_metre.y);
 #ifdef PROJECTION_ORTHOGRAPHIC
-    let wide = metres * scale;
+    let scale_at_hit = scale;
 #else
-    let wide = metres * scale / max(-hit_position.z, 1e-6);
+    let scale_at_hit = scale / max(-hit_position.z, 1e-6);
 #endif
-    let level = 0.5 * log2(max(wide * wide / (f32(RAYS) * sample.density), 1.0));
+    let wide = (metres - begin) * scale_at_hit;
+    let share = select(0.0, wide * wide / (f32(RAYS) * sample.density), is_scattered);
+    let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(view.divisor));
+    let level = 0.5 * log2(max(max(share, select(texel_wide * texel_wide, 1.0, is_rough)), 1.0));
     let seen = mirrored_light(hit.place, hit_position, level, position, metres);
     let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
@@ -130,7 +176,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
 #else
     let image = length(position) + metres;
 #endif
-    result.hit = pack_hit(max(image, 1e-6), sample.weight);
+    result.hit = pack_hit(max(image, 1e-6), weight, is_scattered);
     return result;
 }
 
