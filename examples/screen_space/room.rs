@@ -33,7 +33,7 @@ pub fn spawn_lights(
 ) {
     let (mut exposure, mut sky) = camera.into_inner();
     *exposure = Exposure { ev100: 9.5 };
-    sky.intensity = 60.0;
+    sky.intensity = 45.0;
     commands.insert_resource(ClearColor(Color::srgb(0.8, 0.9, 1.0)));
     commands.spawn((
         SwitchedLight,
@@ -95,9 +95,9 @@ pub fn spawn(
     floor(&mut room, &stone);
 
     let turned = Quat::from_rotation_y(0.4);
-    let tall = Transform::from_xyz(-1.0, 0.8, -1.2).with_rotation(turned);
+    let tall = Transform::from_xyz(0.9, 0.8, -1.8).with_rotation(turned);
     room.add_at(Cuboid::new(0.8, 1.6, 0.8), &green, tall);
-    let low_box = Transform::from_xyz(1.2, 0.3, -1.1).with_rotation(Quat::from_rotation_y(-0.3));
+    let low_box = Transform::from_xyz(-1.7, 0.3, -1.6).with_rotation(Quat::from_rotation_y(-0.3));
     room.add_at(Cuboid::new(0.8, 0.6, 0.8), &white, low_box);
     let mut ball = |radius: f32, material: &Material, [x, z]: [f32; 2]| {
         let ball = Sphere::new(radius).mesh().uv(64, 32);
