@@ -1,10 +1,10 @@
-//! Diffuse GI and reflections: a room with coloured walls and mirrors of four roughnesses (or any glTF or GLB file).
+//! Diffuse GI and reflections: a room with a polished floor, lit by the sun through a window (or any glTF or GLB file).
 //!
 //! `cargo run --example screen_space -- [FILE] [--headless OUT.png] [--help]`
 //!
 //! The keys 1, 2 and 3 choose ambient occlusion alone, `LeanScreenSpaceGi` with `LeanScreenSpaceReflections`, and Bevy's
-//! `ScreenSpaceReflections` on its deferred path; the panel switches each effect. `docs/examples.md` lists the other keys. Mouse: left
-//! orbits, right pans, the wheel zooms.
+//! `ScreenSpaceReflections` on its deferred path; the panel and `--set` switch each effect. `docs/examples.md` lists the other keys.
+//! Mouse: left orbits, right pans, the wheel zooms.
 
 mod room;
 
@@ -25,11 +25,11 @@ use kit::example::{
     numbers::{finite, positive},
     opaque_method::OpaqueMethod,
     panel::{PanelCamera, panel},
-    switch::switch,
+    switch::{SwitchedLight, switch},
 };
 
 kit::example_args! {
-    /// Diffuse GI and reflections in a room with coloured walls, or in a glTF or GLB file.
+    /// Diffuse GI and reflections in a room lit through a window, or in a glTF or GLB file.
     struct Args {
         /// the file to show; a room when left out
         #[argh(positional)]
@@ -103,9 +103,11 @@ fn main() -> AppExit {
             Startup,
             (
                 spawn_camera,
-                room::spawn_sun,
+                // Before `--set`, which may switch an effect.
+                apply,
                 model::spawn_model,
-                (room::spawn, room::stand_camera).run_if(model::is_builtin),
+                spawn_sun.run_if(not(model::is_builtin)),
+                (room::spawn, room::spawn_lights, room::stand_camera).run_if(model::is_builtin),
             )
                 .chain(),
         )
@@ -113,10 +115,23 @@ fn main() -> AppExit {
             Update,
             (
                 model::watch_loading,
-                apply.run_if(resource_changed::<Effects>),
+                apply.run_if(resource_changed::<Effects>.and_then(not(resource_added::<Effects>))),
             ),
         )
         .run()
+}
+
+/// The sun on a file.
+fn spawn_sun(mut commands: Commands) {
+    commands.spawn((
+        SwitchedLight,
+        DirectionalLight {
+            illuminance: 20_000.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        Transform::from_xyz(1.0, 2.0, 2.6).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
 }
 
 fn spawn_camera(mut commands: Commands, mut images: ResMut<Assets<Image>>) {

@@ -2,8 +2,10 @@
 
 use argh::FromArgs;
 use bevy::prelude::*;
-use kit::size::parse_size;
+use kit::{example::choices, renderer::Renderer, size::parse_size};
 use street::Detail;
+
+use crate::settings::Place;
 
 /// A street by night, or a glTF or GLB file, through everything the crate has.
 #[derive(FromArgs)]
@@ -19,6 +21,14 @@ pub struct Args {
     /// render without a window, write this PNG and others beside it, print a table and quit
     #[argh(option)]
     headless: Option<String>,
+
+    /// street, stall, puddle or cats: write one picture from there, with the effects of --set, and no table
+    #[argh(option, from_str_fn(place))]
+    place: Option<Place>,
+
+    /// forward, deferred or lean (the default), with --place or in a window
+    #[argh(option, default = "Renderer::Lean")]
+    renderer: Renderer,
 
     /// width x height of the pictures or the window, default 1280x720, 640x360 without a GPU
     #[argh(option, from_str_fn(parse_size))]
@@ -51,6 +61,10 @@ pub struct Args {
     set: Vec<String>,
 }
 
+fn place(text: &str) -> Result<Place, String> {
+    choices::parse(&Place::ALL, text)
+}
+
 impl Args {
     /// Fills in defaults, which depend on the GPU: without one, everything takes a hundred times as long.
     pub fn fill_in(self, has_gpu: bool) -> Wanted {
@@ -72,6 +86,8 @@ impl Args {
             figure: self.figure,
             headless: self.headless,
             set: self.set,
+            place: self.place,
+            renderer: self.renderer,
             size: self.size.unwrap_or(size.into()),
             frames: self.frames.unwrap_or(frames),
             detail: Detail {
@@ -89,6 +105,9 @@ pub struct Wanted {
     pub figure: Option<String>,
     pub headless: Option<String>,
     pub set: Vec<String>,
+    /// The viewpoint of the only picture.
+    pub place: Option<Place>,
+    pub renderer: Renderer,
     pub size: UVec2,
     pub frames: usize,
     pub detail: Detail,

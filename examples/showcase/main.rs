@@ -7,7 +7,7 @@
 //! of the street, and lets people stand; `docs/examples.md` lists the other keys. Mouse: left orbits, right pans, the wheel zooms.
 //!
 //! `--headless` writes a picture split into Bevy forward and lean, and beside it one of each effect off and on. It also
-//! prints the cost of each on this machine.
+//! prints the cost of each on this machine. With `--place` it writes one picture, with the effects of `--set`.
 
 mod args;
 mod companions;
@@ -36,7 +36,7 @@ use kit::{
     gpu,
     renderer::Renderer,
 };
-use settings::Street;
+use settings::{Place, Street};
 
 fn main() -> AppExit {
     let args: args::Args = argh::from_env();
@@ -48,7 +48,7 @@ fn main() -> AppExit {
         }
     }
     let is_windowed = args.headless.is_none();
-    let frames = args.frames;
+    let (frames, place) = (args.frames, args.place);
     let example = Example {
         title: "showcase",
         size: args.size,
@@ -56,15 +56,18 @@ fn main() -> AppExit {
         set: args.set,
         ..Example::with_frames(frames)
     };
-    let example = example.written_by(move |headless, path| report::write(headless, path, frames));
+    let example = match place {
+        Some(_) => example,
+        None => example.written_by(move |headless, path| report::write(headless, path, frames)),
+    };
     let mut app = App::new();
     app.add_plugins((
         example.set_up(DefaultPlugins),
         LeanDeferredPlugins,
         example,
-        // Pictures begin with the reference.
-        RenderersPlugin(match is_windowed {
-            true => Renderer::Lean,
+        // The report begins with the reference.
+        RenderersPlugin(match is_windowed || place.is_some() {
+            true => args.renderer,
             false => Renderer::Forward,
         }),
         scene::ScenePlugin {
@@ -79,7 +82,7 @@ fn main() -> AppExit {
         panel::<LeanAutoExposure>("LeanAutoExposure"),
     ))
     .add_systems(PreStartup, move |commands: Commands| {
-        spawn_camera(commands, is_windowed);
+        spawn_camera(commands, is_windowed, place.unwrap_or_default());
     })
     .add_systems(Update, write_head);
     if !is_windowed {
@@ -89,7 +92,7 @@ fn main() -> AppExit {
 }
 
 /// Spawns a camera with all effects but ambient occlusion, which GI replaces. Pictures begin without effects, and nobody walks in them.
-fn spawn_camera(mut commands: Commands, is_windowed: bool) {
+fn spawn_camera(mut commands: Commands, is_windowed: bool, place: Place) {
     let mut camera = commands.spawn((
         Camera3d::default(),
         LeanDeferred::default(),
@@ -100,7 +103,7 @@ fn spawn_camera(mut commands: Commands, is_windowed: bool) {
         PanelCamera,
         Street {
             walk: is_windowed,
-            ..default()
+            place,
         },
         IsDefaultUiCamera,
         // Named because the camera of a picture renders to no window, of which Bevy warns.

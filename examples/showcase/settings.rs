@@ -17,6 +17,8 @@ pub enum Place {
 }
 
 impl Place {
+    pub const ALL: [Self; 4] = [Self::Street, Self::Stall, Self::Puddle, Self::Cats];
+
     pub fn viewpoint(self) -> Viewpoint {
         match self {
             Self::Street => Viewpoint::STREET,

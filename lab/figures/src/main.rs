@@ -139,7 +139,7 @@ struct IsaArgs {
     out: PathBuf,
 }
 
-/// Writes a JPEG file with a vertical strip of each of several pictures, from left to right.
+/// Writes a JPEG file of several pictures, from left to right: a vertical strip of each, or all of each.
 #[derive(FromArgs)]
 #[argh(subcommand, name = "wipe")]
 struct WipeArgs {
@@ -150,6 +150,18 @@ struct WipeArgs {
     /// PNG files of one size
     #[argh(positional)]
     pictures: Vec<PathBuf>,
+
+    /// whole pictures side by side, in place of strips
+    #[argh(switch)]
+    beside: bool,
+
+    /// width in pixels to which the file's picture is shrunk
+    #[argh(option)]
+    width: Option<u32>,
+
+    /// most kilobytes of the file, whose quality is lowered until it fits
+    #[argh(option)]
+    kilobytes: Option<usize>,
 }
 
 fn main() -> ExitCode {
@@ -161,7 +173,7 @@ fn main() -> ExitCode {
         Command::Add(args) => add(&args),
         Command::Docs(args) => docs(args.check),
         Command::Isa(args) => compile(args),
-        Command::Wipe(args) => wipe::write(&args.pictures, &args.out),
+        Command::Wipe(args) => join(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -248,6 +260,15 @@ fn docs(check: bool) -> Result<(), String> {
             wrong.len()
         )),
     }
+}
+
+fn join(args: &WipeArgs) -> Result<(), String> {
+    let layout = wipe::Layout {
+        beside: args.beside,
+        width: args.width,
+        kilobytes: args.kilobytes,
+    };
+    wipe::write(&args.pictures, &args.out, layout)
 }
 
 fn compile(args: IsaArgs) -> Result<(), String> {
