@@ -87,9 +87,8 @@ diffuse_gi() {
     part off screen_space --effects occlusion
     part on screen_space --set LeanScreenSpaceReflections=off
     part light screen_space --set LeanDebugView.shows=gi-light
-    part visibility screen_space --set LeanDebugView.shows=gi-visibility
     picture_and_thumb diffuse_gi --beside off.png on.png
-    picture diffuse_gi_more --beside light.png visibility.png
+    picture diffuse_gi_more light.png
 }
 
 reflections() {
