@@ -61,7 +61,7 @@ part() {
 picture() {
     name=$1
     shift
-    run figures wipe "$out/$name.jpg" "$@" --width 1920 --kilobytes 200
+    run figures wipe "$out/$name.jpg" "$@" --width 1920 --kilobytes 400
     echo "$out/$name.jpg"
 }
 
