@@ -15,7 +15,7 @@ impl Viewpoint {
     /// A stall and the corner behind it: occlusion and diffuse GI.
     pub const STALL: Self = Self::new([-0.2, 1.6, -2.3], [-3.7, 0.85, -5.0]);
     /// Low over a puddle.
-    pub const PUDDLE: Self = Self::new([-0.2, 0.7, 3.0], [0.1, 1.3, -8.0]);
+    pub const PUDDLE: Self = Self::new([0.35, 0.7, 1.6], [0.2, 1.25, -8.0]);
     /// The cats in front of the gate.
     pub const CATS: Self = Self::new([2.35, 1.35, 2.9], [3.15, 1.12, 1.2]);
 
