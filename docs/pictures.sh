@@ -122,7 +122,7 @@ many_lights() {
     picture many_lights lights.png
 }
 
-# level NAME EV VIEW: the renderers, which should look alike, and what effects add to them.
+# level NAME EV VIEW: the renderers, which should look alike.
 level() {
     [ -f "$levels/$1/scene.gltf" ] || return 0
     cp -R "$levels/$1" "$1"
@@ -130,7 +130,6 @@ level() {
     echo "[$3]" >view.json
     run levels "$parts/$1/scene.gltf" --path view.json --views 1 --size "$size" --frames 1 --pictures .
     picture "level_$1" "$1_0_Bevy_forward.png" "$1_0_Bevy_deferred.png" "$1_0_lean.png"
-    picture "level_$1_effects" --beside "$1_0_lean.png" "$1_0_lean_with_effects.png"
 }
 
 level_nexuiz_aneurysm() {
