@@ -88,17 +88,16 @@ fn forward_meshes_do_without_reflections() {
         assert_eq!(log_watch::messages_with(MESSAGE).len(), 0);
         let textures = most_textures(&whole);
         println!("{textures} textures");
-        let fewer = [
-            Limits {
-                max_sampled_textures_per_shader_stage: textures - 1,
-                ..gpu::limits()
-            },
-            Limits {
-                max_bind_groups: 4,
-                ..gpu::limits()
-            },
-        ];
-        for (count, limits) in (1..).zip(fewer) {
+        // Every device has 16. Those with arrays of textures need no more.
+        let few_textures = (textures > 16).then(|| Limits {
+            max_sampled_textures_per_shader_stage: textures - 1,
+            ..gpu::limits()
+        });
+        let few_groups = Limits {
+            max_bind_groups: 4,
+            ..gpu::limits()
+        };
+        for (count, limits) in (1..).zip(few_textures.into_iter().chain([few_groups])) {
             let mut few = app(limits, true);
             assert!(few.capture() == without, "the picture differs");
             assert_eq!(log_watch::messages_with(MESSAGE).len(), count);
