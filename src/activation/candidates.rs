@@ -123,12 +123,11 @@ impl PipelineSelection<'_> {
             && ((may_fit && self.include(key, lighting))
                 || (self.pipelines.general_for(key))
                     .is_some_and(|key| self.are_set(key, lighting)));
-        if may_fit && self.may_request(key, is_lit, lighting) {
-            if is_lit {
-                self.request_next(key);
-            } else if let Some(queued) = self.request_all(key) {
-                lighting.pipelines = queued;
-            }
+        if may_fit
+            && self.may_request(key, is_lit, lighting)
+            && let Some(queued) = self.request_fitting(key, is_lit)
+        {
+            lighting.pipelines = queued;
         }
         is_lit
     }
@@ -139,19 +138,22 @@ impl PipelineSelection<'_> {
         let is_lit = self.may_be_general();
         if self.may_fit(key) && !self.has_level_for(key) && self.may_request(key, is_lit, lighting)
         {
-            if is_lit {
-                self.request_next(key);
-            } else {
-                self.request_all(key);
-            }
+            self.request_fitting(key, is_lit);
         }
     }
 
-    /// Queues the pipelines that fit `key`, and returns them unless some are withheld.
-    fn request_all(
+    /// Queues the pipelines that fit `key`, and returns them unless some are withheld, or others light the view. Then they are queued
+    /// one at a time: a frame for which Bevy waits for a pipeline of its own, as with the first camera drawn over another one, waits for
+    /// those queued before.
+    fn request_fitting(
         &mut self,
         key: LightingKey,
+        is_lit: bool,
     ) -> Option<Vec<(LightingKey, CachedComputePipelineId)>> {
+        if is_lit {
+            self.request_next(key);
+            return None;
+        }
         let mut pipelines = key.dispatches();
         pipelines.try_fold(Vec::new(), |mut queued, key| {
             queued.push((key, self.pipelines.request(self.cache, self.watch, key)?));
@@ -159,8 +161,7 @@ impl PipelineSelection<'_> {
         })
     }
 
-    /// Queues one of the pipelines that fit `key`, once no other of lighting is compiled. A frame for which Bevy waits for a pipeline of
-    /// its own, as with the first camera drawn over another one, waits for those queued before.
+    /// Queues one of the pipelines that fit `key`, once no other of lighting is still to be compiled.
     fn request_next(&mut self, key: LightingKey) {
         let mut missing = key
             .dispatches()

@@ -203,13 +203,13 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #ifdef SCATTERS_LIGHT
     apply_fog_and_base_color(pbr, pixel, &shaded);
 #else
-    if !shows_part_of_light(pixel) {
+    if !shows_debug_view(pixel) {
         shaded.color = behind_fog(pbr, shaded.color);
     }
 #endif
 #ifdef SHOWS_CHANNEL
     // Light is computed all the same: effects of the next frame read it.
-    if is_shown_at(pixel.position) {
+    if shows_debug_view(pixel) {
         shaded.color = vec4(channel_color(pixel), 1.0);
     }
 #endif
@@ -224,8 +224,8 @@ fn behind_fog(pbr: PbrInput, color: vec4<f32>) -> vec4<f32> {
     return main_pass_post_lighting_processing(pbr, color);
 }
 
-/// True where a debug view shows part of the light, without fog.
-fn shows_part_of_light(pixel: Pixel) -> bool {
+/// True where a debug view is shown, in front of which there is no fog.
+fn shows_debug_view(pixel: Pixel) -> bool {
 #ifdef DEBUG_VIEW
     return is_shown_at(pixel.position);
 #else
@@ -239,7 +239,7 @@ fn shows_part_of_light(pixel: Pixel) -> bool {
 fn apply_fog_and_base_color(pbr: PbrInput, pixel: Pixel, shaded: ptr<function, Shaded>) {
     let scatters = specialization::unpack_shading_model(pixel.specialization_word) == specialization::SUBSURFACE;
     var leaving = vec3(1.0);
-    if !shows_part_of_light(pixel) {
+    if !shows_debug_view(pixel) {
         // Fog before white less fog before black, by one call: its code is long.
         var of_fog = vec3(0.0);
         let last = select(0u, 2u, scatters);

@@ -90,9 +90,9 @@ fn sum_of_half(
     nearest: sampler,
     depth: texture_depth_2d,
     parameters: OcclusionFilter,
+    kind: FilterKind,
     pixel: vec2<i32>,
     plane: DepthPlane,
-    is_edge_aware: bool,
 ) -> OcclusionSum {
     var result: OcclusionSum;
     let base = pixel >> vec2(1u);
@@ -108,7 +108,7 @@ fn sum_of_half(
             var weight = clipped.x * clipped.y;
             // The weights add up to 4.
             mean += 0.25 * weight * values[j];
-            if is_edge_aware {
+            if kind.is_edge_aware {
                 let other = pixel_of_texel(base + texel, 2, vec2<i32>(parameters.viewport_size));
                 weight *= edge_weight(plane, depth_in_view(depth, parameters, other), other - pixel) + 1e-3;
             }
@@ -123,53 +123,27 @@ fn sum_of_half(
     return result;
 }
 
-/// Of 5×5 texels: 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers.
-fn sum_of_wide(
+/// From full resolution. Of 5×5 texels: 1 2 2 2 1 along each axis; 0 for the sixth texel of three gathers. Of 3×3 texels: the four
+/// gathers overlap, and read the centre four times and its direct neighbours twice.
+fn sum_of_full(
     occlusion: texture_2d<f32>,
     nearest: sampler,
     depth: texture_depth_2d,
     parameters: OcclusionFilter,
+    kind: FilterKind,
     pixel: vec2<i32>,
     plane: DepthPlane,
-    is_edge_aware: bool,
 ) -> OcclusionSum {
     var result: OcclusionSum;
-    for (var i = 0; i < 9; i++) {
-        let corner = 2 * vec2(i % 3, i / 3) - 2;
+    let side = select(2, 3, kind.is_wide);
+    for (var i = 0; i < side * side; i++) {
+        let corner = select(vec2(i & 1, i >> 1u) - 1, 2 * vec2(i % 3, i / 3) - 2, kind.is_wide);
         let values = gather_at(occlusion, nearest, pixel + corner);
         for (var j = 0; j < 4; j++) {
             let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
-            let along = min(3 - abs(offset), vec2(2));
+            let along = select(vec2(1), min(3 - abs(offset), vec2(2)), kind.is_wide);
             var weight = f32(along.x * along.y);
-            if is_edge_aware && along.x * along.y > 0 && any(offset != vec2(0)) {
-                weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
-            }
-            result.sum += weight * values[j];
-            result.weights += weight;
-        }
-    }
-    return result;
-}
-
-/// Of 3×3 texels. The four gathers overlap: they read the centre four times and its direct neighbours twice.
-fn sum_of_narrow(
-    occlusion: texture_2d<f32>,
-    nearest: sampler,
-    depth: texture_depth_2d,
-    parameters: OcclusionFilter,
-    pixel: vec2<i32>,
-    plane: DepthPlane,
-    is_edge_aware: bool,
-) -> OcclusionSum {
-    var result: OcclusionSum;
-    for (var i = 0; i < 4; i++) {
-        let corner = vec2((i & 1) - 1, (i >> 1u) - 1);
-        let values = gather_at(occlusion, nearest, pixel + corner);
-        for (var j = 0; j < 4; j++) {
-            let offset = corner + vec2(i32(j == 1 || j == 2), i32(j < 2));
-            let distance = abs(offset.x) + abs(offset.y);
-            var weight = 1.0;
-            if is_edge_aware && distance > 0 {
+            if kind.is_edge_aware && along.x * along.y > 0 && any(offset != vec2(0)) {
                 weight *= edge_weight(plane, depth_in_view(depth, parameters, pixel + offset), offset);
             }
             result.sum += weight * values[j];
@@ -195,11 +169,9 @@ fn filtered_occlusion(
     }
     var result: OcclusionSum;
     if kind.is_half {
-        result = sum_of_half(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
-    } else if kind.is_wide {
-        result = sum_of_wide(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
+        result = sum_of_half(occlusion, nearest, depth, parameters, kind, pixel, plane);
     } else {
-        result = sum_of_narrow(occlusion, nearest, depth, parameters, pixel, plane, kind.is_edge_aware);
+        result = sum_of_full(occlusion, nearest, depth, parameters, kind, pixel, plane);
     }
     return saturate(result.sum / result.weights * parameters.intensity);
 }

@@ -104,7 +104,7 @@ fn survives_with(
         let after = settled(&mut headless);
         let difference = pixel_difference(&before, &after);
         println!("{name}, loss {loss}: {difference}");
-        // Where mirrors see themselves, single pixels may come to rest at another value once light has begun anew.
+        // Single pixels that mirror themselves may come to rest at another value once light has begun anew.
         let least = if name == "reflections" {
             60.0
         } else {

@@ -131,7 +131,7 @@ fn check_beside(label: &'static str, others: impl Bundle, effects: impl Bundle +
         headless.frame();
     }
     let difference = pixel_difference(&lean, &at_rest(&mut headless));
-    // As in `lost_device.rs`: where mirrors see themselves.
+    // As in `lost_device.rs`: pixels that mirror themselves.
     assert!(difference.psnr > 60.0, "{label}: {difference}");
     assert!(log_watch::messages_with("Caught rendering error").is_empty());
     log_watch::assert_validation_layer_silent();

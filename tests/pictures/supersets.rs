@@ -227,6 +227,43 @@ fn by_both(headless: &mut Headless) -> [Picture; 2] {
     })
 }
 
+/// The filter of shadow maps is a setting of the camera, which general pipelines read from a uniform.
+#[test]
+fn general_pipelines_filter_shadows_as_those_that_fit() {
+    in_own_process(|| {
+        let mut headless = general_app(UVec2::new(160, 120));
+        let mut pictures = Vec::new();
+        let mut results = Vec::new();
+        for filter in [
+            ShadowFilteringMethod::Hardware2x2,
+            ShadowFilteringMethod::Gaussian,
+            ShadowFilteringMethod::Temporal,
+        ] {
+            show(&mut headless, |s| {
+                let camera = scene(s);
+                s.spawn((
+                    PointLight {
+                        intensity: 400_000.0,
+                        shadow_maps_enabled: true,
+                        ..default()
+                    },
+                    Transform::from_xyz(-1.0, 2.5, 1.5),
+                ));
+                s.world().entity_mut(camera).insert(filter);
+            });
+            let [fitting, general] = by_both(&mut headless);
+            let name = format!("shadows_{filter:?}");
+            results.push(judge(&name, &fitting, &general, LEAST_PSNR));
+            assert!(
+                !pictures.contains(&fitting.rgba),
+                "{filter:?} is as another"
+            );
+            pictures.push(fitting.rgba);
+        }
+        report(results);
+    });
+}
+
 /// Light of the crate's effects, which forward has not.
 #[test]
 fn general_pipelines_add_the_light_of_effects() {
