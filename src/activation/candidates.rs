@@ -68,7 +68,7 @@ const FIRST_FRAMES: u32 = 30;
 /// Selects the lighting pipelines of views, and queues missing ones.
 pub(super) struct PipelineSelection<'a> {
     pub(super) pipelines: &'a mut LightingPipelines,
-    pub(super) cache: &'a PipelineCache,
+    pub(super) cache: &'a mut PipelineCache,
     pub(super) compiled: CompiledLighting,
     /// Tells if a pipeline that is queued causes no long frame.
     pub(super) watch: &'a PipelineWatch,
@@ -79,7 +79,24 @@ pub(super) struct PipelineSelection<'a> {
 impl PipelineSelection<'_> {
     /// Returns the first candidate with compiled pipelines, and sets those of `lighting` to them. If there is none, returns
     /// the first one with stand-ins for its pipelines.
+    ///
+    /// Where Bevy compiles within the frame, requested pipelines are compiled when this returns: otherwise forward would draw the view
+    /// in this frame, by pipelines that have to be compiled too.
     pub(super) fn best(
+        &mut self,
+        candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
+        lighting: &mut ViewLighting,
+    ) -> Option<ActiveLeanView> {
+        let requested = self.pipelines.requested();
+        let best = self.best_compiled(candidates.clone(), lighting);
+        if best.is_some() || self.pipelines.requested() == requested {
+            return best;
+        }
+        self.cache.process_queue();
+        self.best_compiled(candidates, lighting)
+    }
+
+    fn best_compiled(
         &mut self,
         mut candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
         lighting: &mut ViewLighting,

@@ -116,7 +116,7 @@ fn decide(
     let candidates = candidates(&view, order, wanted).map(|active| (active, key(&active)));
     let mut selection = PipelineSelection {
         pipelines: inputs.lighting_pipelines.as_deref_mut()?,
-        cache: &inputs.pipeline_cache,
+        cache: &mut inputs.pipeline_cache,
         compiled: *inputs.compiled_lighting,
         watch: &inputs.pipeline_watch,
         is_prewarmed: prewarmed.is_some(),
@@ -135,7 +135,7 @@ fn decide(
             camera.all_features(),
             order.culls_in_two_phases,
             inputs.motion_pipelines.as_deref_mut(),
-            (&inputs.pipeline_cache, &inputs.pipeline_watch),
+            (selection.cache, &inputs.pipeline_watch),
         );
         let states = states_of_level(&view, order, camera);
         let states: Vec<LightingKey> = states.map(|state| key(&state)).collect();

@@ -73,7 +73,7 @@ system_param! {
         pub(super) lighting_pipelines: Option<ResMut<'w, LightingPipelines>>,
         pub(super) compiled_lighting: Res<'w, CompiledLighting>,
         pub(super) motion_pipelines: Option<ResMut<'w, MotionResolvePipelines>>,
-        pub(super) pipeline_cache: Res<'w, PipelineCache>,
+        pub(super) pipeline_cache: ResMut<'w, PipelineCache>,
         pub(super) pipeline_watch: Res<'w, PipelineWatch>,
         pub(super) statuses: ResMut<'w, EffectStatuses>,
     }

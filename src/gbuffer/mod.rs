@@ -87,7 +87,7 @@ pub(crate) use self::bevy::forward_draws::{ForwardDraw, ForwardDrawFunctions, Fo
 use self::bevy::{
     batching::add_phase,
     depth_copy::{self, DepthCopySystems},
-    lightmaps, phases, pipeline_filter,
+    forward_pipelines, lightmaps, phases, pipeline_filter,
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::{ViewDemands, WantedDemand};
@@ -196,6 +196,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<prewarm::PrewarmedMeshes>()
             .init_resource::<specialize::RequestedPipelines>()
             .init_resource::<pipeline_filter::PipelineFilter>()
+            .init_resource::<forward_pipelines::WithheldMainPhases>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
@@ -242,7 +243,21 @@ impl Plugin for GBufferPlugin {
             .add_systems(
                 Render,
                 (
-                    queue::queue_gbuffer_meshes
+                    forward_pipelines::withhold_main_phases
+                        .after(RenderSystems::CreateViews)
+                        .before(RenderSystems::Specialize),
+                    forward_pipelines::restore_main_phases
+                        .after(RenderSystems::Specialize)
+                        .before(RenderSystems::PrepareViews),
+                    (
+                        queue::queue_gbuffer_meshes,
+                        // Exclusive, but of the data of unordered systems it uses none.
+                        forward_pipelines::specialize_left_meshes
+                            .run_if(pipeline_filter::pipelines_are_missing)
+                            .ambiguous_with_all(),
+                        pipeline_filter::filter_pipelines,
+                    )
+                        .chain()
                         .in_set(RenderSystems::QueueMeshes)
                         .before(queue_material_meshes)
                         .before(queue_prepass_material_meshes),

@@ -37,7 +37,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
     }
 
     /// Requests the pipeline that draws a mesh once the view has its next targets, which wait for it if the mesh is
-    /// drawn `now`. If these targets are fewer and the pipeline is new, the view keeps its targets.
+    /// drawn `now`. If these targets are fewer and the pipeline is new, the view keeps its targets, unless they are guessed.
     pub(super) fn prepare(
         &mut self,
         entity: MainEntity,
@@ -56,6 +56,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         }
         let (lookup, view_key) = (self.lookup, self.view_key);
         if !next.is_growth
+            && !self.targets_are_guessed
             && !(self.pipelines).knows(lookup, entity, mesh, view_key, shaders, output)
         {
             self.demand.keep_targets();

@@ -69,7 +69,7 @@ enum QueueOwner {
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
-    (mut bevy_phases, mut bevy_pipelines, mut pipeline_filter): (
+    (mut bevy_phases, bevy_pipelines, mut pipeline_filter): (
         BevyPhases,
         BevyPipelines,
         ResMut<PipelineFilter>,
@@ -157,6 +157,7 @@ pub(super) fn queue_gbuffer_meshes(
             left: left.of(retained),
             view_key: *view_key,
             active,
+            targets_are_guessed: former.is_none(),
             count: &mut count.0,
         };
         for &entity in dirty.iter_to_dequeue(retained, visible) {
@@ -212,7 +213,7 @@ pub(super) fn queue_gbuffer_meshes(
         }
         sorter.prepare_next_targets(visible);
     }
-    pipeline_filter.show(&live_views, &mut bevy_pipelines);
+    pipeline_filter.keep_only(&live_views);
     pending_queues.0.expire_stale_views(&live_views);
     forward_meshes.keep_only(|camera| live_views.iter().any(|view| view.main_entity == camera));
     left.keep_only(|view| live_views.contains(view));
@@ -254,11 +255,14 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     left: &'a mut ViewLeftMeshes,
     pub(super) view_key: MeshPipelineKey,
     pub(super) active: Option<&'a ActiveLeanView>,
+    /// The view was not lean in the last frame: its targets are those of other views.
+    pub(super) targets_are_guessed: bool,
     count: &'a mut usize,
 }
 
 impl Sorter<'_, '_, '_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), owner: QueueOwner) {
+        let entities = (render_entity, entity);
         *self.count += 1;
         if owner != QueueOwner::Nobody {
             self.phases.remove(entity);
@@ -269,9 +273,9 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         let mesh = match lookup.find(entity, self.recent_kinds) {
             Ok(mesh) => mesh,
             Err(may_come) => {
-                self.filter.add(entity);
+                self.filter.add(entities);
                 if may_come {
-                    self.pending.insert((render_entity, entity));
+                    self.pending.insert(entities);
                 }
                 return;
             }
@@ -286,7 +290,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         let (demand, shaders, active) = match (needs, self.active) {
             (Ok((demand, shaders)), Some(active)) => (demand, shaders, active),
             (needs, _) => {
-                self.leave_to_forward(entity, &mesh, owner, needs.err());
+                self.leave_to_forward(entities, &mesh, owner, needs.err());
                 return;
             }
         };
@@ -304,10 +308,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
                 GBufferPipeline::Failed(_) => ForwardReason::PipelineFailed,
                 _ => ForwardReason::Compiling,
             };
-            self.leave_to_forward(entity, &mesh, owner, Some(reason));
+            self.leave_to_forward(entities, &mesh, owner, Some(reason));
             // An unmet demand needs no retry: the mesh is sorted again when the view changes.
             if matches!(pipeline, GBufferPipeline::Pending(_)) && placement.is_met() {
-                self.pending.insert((render_entity, entity));
+                self.pending.insert(entities);
             }
             return;
         };
@@ -343,7 +347,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
                 slabs: mesh.slabs,
                 lightmap_slab: mesh.instance.lightmap_slab_index(),
                 mesh: mesh.instance.mesh_asset_id(),
-                entities: (render_entity, entity),
+                entities,
                 uniform_index: mesh.instance.current_uniform_index,
                 phase_type,
             },
@@ -364,11 +368,12 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
     /// `reason` is `None` if the view is not lean: forward draws all its meshes.
     fn leave_to_forward(
         &mut self,
-        entity: MainEntity,
+        entities: (Entity, MainEntity),
         mesh: &MeshToQueue,
         owner: QueueOwner,
         reason: Option<ForwardReason>,
     ) {
+        let entity = entities.1;
         if let (Some(meshes), Some(reason)) = (&mut self.forward_meshes, reason) {
             meshes.insert(entity, mesh.material_id, reason);
         }
@@ -378,10 +383,10 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         }
         let is_strange = self.is_strange_to_bevy(mesh);
         if !is_strange {
-            self.filter.add(entity);
+            self.filter.add(entities);
         }
         if is_strange || owner == QueueOwner::Either {
-            self.filter.force(entity);
+            self.filter.force(entities);
         }
     }
 

@@ -37,7 +37,7 @@ use crate::{
 system_param! {
     /// The pipelines of the G-buffer, with what is needed to specialize them.
     pub(super) struct GBufferPipelines<'w, 's> {
-        cache: Res<'w, PipelineCache>,
+        cache: ResMut<'w, PipelineCache>,
         prepass_pipeline: Res<'w, PrepassPipeline>,
         specialized: ResMut<'w, SpecializedMeshPipelines<GBufferPipelineSpecializer>>,
         /// Bevy's pipeline is a large struct of layouts: it is cloned when it changes, not per mesh.
@@ -204,6 +204,7 @@ impl GBufferPipelines<'_, '_> {
         };
         let layout = &mesh.mesh.layout;
         let hash = FixedHasher.hash_one((layout, &key));
+        let is_new = !self.requested.all.contains(&hash);
         if !self.requested.admit(hash, &self.watch) {
             return GBufferPipeline::Pending(None);
         }
@@ -214,7 +215,14 @@ impl GBufferPipelines<'_, '_> {
             vertex: shaders.vertex.clone(),
         };
         match (self.specialized).specialize(&self.cache, &specializer, key, layout) {
-            Ok(id) => self.state(id),
+            Ok(id) => {
+                // Where Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
+                // by a pipeline that has to be compiled too.
+                if is_new {
+                    self.cache.process_queue();
+                }
+                self.state(id)
+            }
             Err(error) => {
                 let message = error.to_string();
                 if self.reported.insert(message.clone()) {
@@ -266,11 +274,15 @@ fn pipeline_key(
 }
 
 /// Key bits of instances that have a previous skin or morph. Only pipelines that write motion have them.
-const PREVIOUS: MeshPipelineKey =
+pub(super) const PREVIOUS: MeshPipelineKey =
     MeshPipelineKey::HAS_PREVIOUS_SKIN.union(MeshPipelineKey::HAS_PREVIOUS_MORPH);
 
 /// Key bits of an instance beside those of its mesh and material.
-fn instance_key(lookup: &MeshLookup, entity: MainEntity, mesh: &MeshToQueue) -> MeshPipelineKey {
+pub(super) fn instance_key(
+    lookup: &MeshLookup,
+    entity: MainEntity,
+    mesh: &MeshToQueue,
+) -> MeshPipelineKey {
     let mut key = MeshPipelineKey::empty();
     if lookup
         .visibility_ranges

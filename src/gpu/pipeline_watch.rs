@@ -3,7 +3,7 @@
 //! Bevy logs errors of a shader that it cannot compose, but neither which effect is off because of it nor the shader
 //! definitions. For an import that nothing provides it waits forever and logs nothing.
 
-use core::time::Duration;
+use core::{mem::replace, time::Duration};
 
 use bevy::{
     asset::{AssetId, LoadState},
@@ -34,6 +34,8 @@ pub(crate) struct PipelineWatch {
     /// Start of each pipeline's wait for shaders.
     waiting: HashMap<CachedPipelineId, Instant>,
     failures: HashMap<CachedPipelineId, Failure>,
+    /// Number of pipelines in the last frame.
+    seen: usize,
     compiles_in_background: bool,
     /// Of the frame; limited while cameras are prewarmed.
     pub(crate) budget: PipelineBudget,
@@ -139,7 +141,11 @@ pub(crate) fn watch_pipelines(
             waiting.any(|waiting| matches!(waiting.state, CachedPipelineState::Creating(_)));
     }
 
-    for id in cache.waiting_pipelines() {
+    // New pipelines may have failed at once, and wait no longer.
+    let count = cache.pipelines().count();
+    let new = replace(&mut watch.seen, count).min(count)..count;
+    let waiting = (cache.waiting_pipelines()).filter(|id| !new.contains(id));
+    for id in waiting.chain(new.clone()) {
         let Some((pipeline, label)) = pipeline(id).and_then(|p| Some((p, own_label(p)?))) else {
             continue;
         };

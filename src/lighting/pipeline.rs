@@ -89,6 +89,11 @@ impl LightingPipelines {
         self.by_key.contains_key(&key)
     }
 
+    /// Number of the pipelines that were requested.
+    pub(crate) fn requested(&self) -> usize {
+        self.by_key.len()
+    }
+
     /// True if a requested pipeline is still to be compiled.
     pub(crate) fn are_compiling(&self, pipeline_cache: &PipelineCache) -> bool {
         let mut ids = self.by_key.values().map(|(id, _)| *id);

@@ -111,7 +111,7 @@ use ::bevy::{
     render::{
         GpuResourceAppExt, Render, RenderApp, RenderPlugin, RenderStartup, RenderSystems,
         extract_component::ExtractComponentPlugin, render_phase::ViewBinnedRenderPhases,
-        renderer::RenderDevice,
+        render_resource::PipelineCache, renderer::RenderDevice,
     },
 };
 
@@ -176,6 +176,8 @@ impl Plugin for SharedPlugin {
         EffectSystems::DebugViews.run_while::<With<LeanDebugView>>(render_app);
         render_app
             .init_gpu_resource::<PipelineWatch>()
+            // Each system queues its own pipelines, in any order.
+            .allow_ambiguous_resource::<PipelineCache>()
             .init_gpu_resource::<OutOfMemory>()
             // Each system records its own failed allocations, in any order.
             .allow_ambiguous_resource::<OutOfMemory>()

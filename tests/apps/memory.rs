@@ -58,6 +58,8 @@ fn what_is_held_is_given_back() {
     let lean = held_by(true, true);
     let forward_again = held_by(false, true);
     let lean_again = held_by(true, true);
+    held_by(false, true);
+    let lean_at_last = held_by(true, true);
     let lean_off = held_by(true, false);
     held_by(true, true);
     assert_eq!(active_lean_views(&mut headless), 1, "it is off for ever");
@@ -71,7 +73,8 @@ fn what_is_held_is_given_back() {
     assert_eq!(textures(forward_again), textures(forward));
     assert_eq!(textures(lean_off), textures(forward_off));
     // Bevy keeps a few bind groups per kind of render phase ever used. They do not accumulate.
-    assert_eq!(lean_again, lean);
+    assert_eq!(textures(lean_again), textures(lean));
+    assert_eq!(lean_at_last, lean_again);
 }
 
 /// States of a camera.

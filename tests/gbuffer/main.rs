@@ -2,6 +2,7 @@
 //!
 //! Each test has a process of its own: together they would exceed the memory of many machines, see `lab/kit/src/own_process.rs`.
 
+mod bevys_pipelines;
 mod forward_reasons;
 mod geometry;
 mod motion_vectors;

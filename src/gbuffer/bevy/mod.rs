@@ -4,6 +4,7 @@
 // - `depth_copy.rs`: the copy of depth for its readers.
 // - `extracted.rs`: meshes that Bevy extracted in this frame.
 // - `forward_draws.rs`: changes the pipelines with which Bevy's passes draw meshes.
+// - `forward_pipelines.rs`: specializes the pipelines of meshes that Bevy's passes draw.
 // - `lightmaps.rs`: Bevy's list of lightmapped meshes.
 // - `phases.rs`: removes meshes from Bevy's phases, and returns them.
 // - `pipeline_filter.rs`: limits the meshes that Bevy's queue systems see.
@@ -14,6 +15,7 @@ pub(super) mod batching;
 pub(super) mod depth_copy;
 pub(super) mod extracted;
 pub(super) mod forward_draws;
+pub(super) mod forward_pipelines;
 pub(super) mod lightmaps;
 pub(super) mod phases;
 pub(super) mod pipeline_filter;

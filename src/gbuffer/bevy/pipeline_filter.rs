@@ -2,7 +2,7 @@
 //!
 //! Bevy queues a mesh with its specialized pipeline and skips meshes without one. While Bevy's queue systems run, each
 //! lean view exposes only the pipelines of meshes left to Bevy; the others are set aside. So no mesh enters
-//! a phase of Bevy's only to be removed again.
+//! a phase of Bevy's only to be removed again. `forward_pipelines.rs` specializes those that are missing.
 
 use bevy::{
     ecs::system::SystemParam,
@@ -14,7 +14,7 @@ use bevy::{
     prelude::*,
     render::{
         batching::gpu_preprocessing::GpuPreprocessingSupport, render_phase::BinnedRenderPhaseType,
-        sync_world::MainEntity, view::RetainedViewEntity,
+        render_resource::CachedRenderPipelineId, sync_world::MainEntity, view::RetainedViewEntity,
     },
 };
 
@@ -39,6 +39,14 @@ struct ViewPipelines {
     prepass: SpecializedPrepassMaterialViewPipelineCache,
     /// Meshes that Bevy would not queue; added to its phases after it has queued its own.
     forced: Vec<Forced>,
+    missing: Vec<MissingPipeline>,
+}
+
+/// A mesh whose main-pass pipeline is not specialized yet.
+pub(in crate::gbuffer) struct MissingPipeline {
+    pub(in crate::gbuffer) entities: (Entity, MainEntity),
+    /// Bevy is to see the pipeline.
+    pub(in crate::gbuffer) is_shown: bool,
 }
 
 /// A mesh that is added to Bevy's prepass, if the view has one, although Bevy does not queue it.
@@ -74,16 +82,42 @@ impl PipelineFilter {
         }
     }
 
-    /// Exposes only these pipelines to Bevy, and drops views that are not in `views`.
-    pub(in crate::gbuffer) fn show(
-        &mut self,
-        views: &HashSet<RetainedViewEntity>,
-        pipelines: &mut BevyPipelines,
-    ) {
+    /// Drops views that are not in `views`.
+    pub(in crate::gbuffer) fn keep_only(&mut self, views: &HashSet<RetainedViewEntity>) {
         self.0.retain(|view, _| views.contains(view));
-        for (view, filtered) in &mut self.0 {
-            filtered.swap(view, pipelines);
-        }
+    }
+
+    /// Returns the meshes of each view that lack pipelines.
+    pub(super) fn take_missing(
+        &mut self,
+    ) -> impl Iterator<Item = (RetainedViewEntity, impl Iterator<Item = MissingPipeline>)> {
+        (self.0.iter_mut()).map(|(view, filtered)| (*view, filtered.missing.drain(..)))
+    }
+
+    /// Lets Bevy queue a mesh whose pipeline was missing.
+    pub(super) fn show_mesh(
+        &mut self,
+        view: RetainedViewEntity,
+        mesh: MainEntity,
+        pipeline: CachedRenderPipelineId,
+    ) {
+        let filtered = self.0.entry(view).or_default();
+        filtered.main.insert(mesh, pipeline);
+    }
+}
+
+/// True if pipelines of meshes left to Bevy are missing.
+pub(in crate::gbuffer) fn pipelines_are_missing(filter: Res<PipelineFilter>) -> bool {
+    filter.0.values().any(|view| !view.missing.is_empty())
+}
+
+/// Exposes only the pipelines of the filter to Bevy.
+pub(in crate::gbuffer) fn filter_pipelines(
+    mut pipelines: BevyPipelines,
+    mut filter: ResMut<PipelineFilter>,
+) {
+    for (view, filtered) in &mut filter.0 {
+        filtered.swap(view, &mut pipelines);
     }
 }
 
@@ -96,11 +130,25 @@ pub(in crate::gbuffer) struct PipelineFilterWriter<'a> {
 
 impl PipelineFilterWriter<'_> {
     /// Lets Bevy queue the mesh.
-    pub(in crate::gbuffer) fn add(&mut self, mesh: MainEntity) {
-        if let Some(&pipeline) = self.main.and_then(|pipelines| pipelines.get(&mesh)) {
+    pub(in crate::gbuffer) fn add(&mut self, entities: (Entity, MainEntity)) {
+        let mesh = entities.1;
+        if let Some(pipeline) = self.find(entities, true) {
             self.pipelines.main.insert(mesh, pipeline);
         }
         self.add_to_prepass(mesh);
+    }
+
+    /// The main-pass pipeline of the mesh. Notes that it is missing if there is none.
+    fn find(
+        &mut self,
+        entities: (Entity, MainEntity),
+        is_shown: bool,
+    ) -> Option<CachedRenderPipelineId> {
+        let pipeline = self.main.and_then(|pipelines| pipelines.get(&entities.1));
+        if pipeline.is_none() {
+            (self.pipelines.missing).push(MissingPipeline { entities, is_shown });
+        }
+        pipeline.copied()
     }
 
     /// Lets Bevy queue the mesh for its prepass alone.
@@ -111,9 +159,10 @@ impl PipelineFilterWriter<'_> {
     }
 
     /// Adds the mesh to Bevy's phases although Bevy does not queue it.
-    pub(in crate::gbuffer) fn force(&mut self, mesh: MainEntity) {
+    pub(in crate::gbuffer) fn force(&mut self, entities: (Entity, MainEntity)) {
+        self.find(entities, false);
         self.pipelines.forced.push(Forced {
-            mesh,
+            mesh: entities.1,
             into_main: true,
         });
     }

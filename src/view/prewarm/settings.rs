@@ -19,8 +19,7 @@ use crate::view::support::SupportChecks;
 ///   may bring about, and on cameras with motion vectors also for meshes in motion. To prewarm a material that appears later, spawn
 ///   a mesh with it and `Visibility::Hidden`.
 ///
-/// Bevy's own pipelines are compiled when Bevy first needs them: shadow maps, sky, post-processing, and a forward one for each kind of
-/// mesh when it becomes visible.
+/// Bevy's own pipelines are compiled when Bevy first needs them: shadow maps, sky, post-processing, and meshes that go forward.
 ///
 /// [`progress`](Self::progress) counts the pipelines for a progress bar, and tells when all are compiled. Where Bevy compiles within
 /// the frame (macOS, the web, apps without its feature `multi_threaded`), no more than two are compiled per frame, so that the
