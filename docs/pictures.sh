@@ -1,5 +1,6 @@
 #!/bin/sh
-# Renders the pictures of the docs: docs/pictures/NAME.jpg, and small ones for the README in docs/pictures/thumbs.
+# Renders the pictures of the docs: docs/pictures/NAME.jpg, and small ones for the README in docs/pictures/thumbs. `figures docs` writes
+# these as base64, too, for the pages of rustdoc.
 #
 # sh docs/pictures.sh [--only WORD] [--size WxH] [--levels FOLDER] [--out FOLDER]
 #
@@ -73,6 +74,21 @@ picture_and_thumb() {
     run figures wipe "$out/thumbs/$name.jpg" "$@" --width 480 --kilobytes 30
 }
 
+# setting NAME PART EXAMPLE FIELD "VALUE…" OPTION…: values of a field of the camera, side by side. PART is that of the picture in percent
+# (left,top,width,height).
+setting() {
+    joined=$out/$1.jpg crop=$2 shown_by=$3 field=$4 values=$5
+    shift 5
+    pngs=''
+    for value in $values; do
+        part "value_$value" "$shown_by" "$@" --set "$field=$value"
+        pngs="$pngs value_$value.png"
+    done
+    # shellcheck disable=SC2086 # a list of files
+    run figures wipe "$joined" $pngs --beside --crop "$crop" --width 1200 --kilobytes 150
+    echo "$joined"
+}
+
 ambient_occlusion() {
     set -- --dark --yaw 25 --pitch 20 --zoom 1.35
     part off ambient_occlusion "$@" --mode off --set LeanDeferred=on
@@ -122,6 +138,11 @@ many_lights() {
     picture many_lights lights.png
 }
 
+settings_menu() {
+    run settings_menu --headless menu.png --preset high
+    picture settings_menu menu.png
+}
+
 # level NAME EV VIEW: the renderers, which should look alike.
 level() {
     [ -f "$levels/$1/scene.gltf" ] || return 0
@@ -143,10 +164,50 @@ level_stk_zengarden() {
 showcase() {
     part forward showcase --place street --renderer forward
     part lean showcase --place street --set LeanScreenSpaceGi=on --set LeanScreenSpaceReflections=on --set LeanSubsurfaceScattering=on
-    picture showcase forward.png lean.png
+    picture_and_thumb showcase forward.png lean.png
 }
 
-for name in showcase ambient_occlusion diffuse_gi reflections subsurface_scattering auto_exposure many_lights \
+ambient_occlusion_settings() {
+    set -- --dark --yaw 25 --pitch 20 --set LeanDeferred=on
+    effect=LeanScreenSpaceAmbientOcclusion
+    setting ambient_occlusion_radius 0,0,100,100 ambient_occlusion $effect.radius "0.1 0.5 2" "$@" --zoom 1.35
+    setting ambient_occlusion_quality 28,55,25,33 ambient_occlusion $effect.quality "low medium ultra" "$@" --zoom 3
+    setting ambient_occlusion_resolution 22,55,37,33 ambient_occlusion $effect.resolution "full half" "$@" --zoom 3
+    setting ambient_occlusion_filter 36,60,37,33 ambient_occlusion $effect.advanced.filter "narrow wide" "$@" --zoom 6
+    shift
+    setting ambient_occlusion_application 5,25,50,50 ambient_occlusion $effect.application "indirect multiplicative-blend" "$@" --zoom 1.35
+}
+
+diffuse_gi_settings() {
+    set -- --set LeanScreenSpaceReflections=off
+    setting diffuse_gi_radius 0,0,100,100 screen_space LeanScreenSpaceGi.radius "1 4 16" "$@"
+    setting diffuse_gi_intensity 0,0,100,100 screen_space LeanScreenSpaceGi.intensity "0.5 1 2" "$@"
+    setting diffuse_gi_quality 17,20,25,33 screen_space LeanScreenSpaceGi.quality "low medium ultra" "$@"
+    setting diffuse_gi_resolution 45,55,37,33 screen_space LeanScreenSpaceGi.resolution "half full" "$@"
+}
+
+reflections_settings() {
+    effect=LeanScreenSpaceReflections
+    setting reflections_thickness 12,67,25,33 screen_space $effect.thickness "0.02 0.25 5" --set LeanScreenSpaceGi=off
+    setting reflections_max_roughness 0,0,100,100 showcase $effect.max_roughness "0.2 0.8" --place puddle
+    setting reflections_intensity 0,0,100,100 showcase $effect.intensity "0 0.5 1" --place puddle
+    setting reflections_quality 30,64,25,33 showcase $effect.quality "low medium high" --place puddle
+    setting reflections_resolution 26,64,37,33 showcase $effect.resolution "half full" --place puddle
+}
+
+subsurface_scattering_settings() {
+    setting subsurface_scattering_quality 30,30,37,33 showcase LeanSubsurfaceScattering.quality "low high" --place cats
+}
+
+auto_exposure_settings() {
+    effect=LeanAutoExposure
+    setting auto_exposure_compensation 0,0,100,100 auto_exposure $effect.compensation "-1.5 0 1.5" --view door
+    setting auto_exposure_range 0,0,100,100 auto_exposure $effect.range "-8..8 -8..5 -8..3" --view dark
+    setting auto_exposure_pattern 0,0,100,100 auto_exposure $effect.pattern "average center-weighted spot" --view door
+}
+
+for name in showcase ambient_occlusion diffuse_gi reflections subsurface_scattering auto_exposure many_lights settings_menu \
+    ambient_occlusion_settings diffuse_gi_settings reflections_settings subsurface_scattering_settings auto_exposure_settings \
     level_nexuiz_aneurysm level_stk_zengarden; do
     case $name in
     *"$only"*) "$name" ;;

@@ -3,6 +3,15 @@
 //! Add the plugins, and put [`LeanDeferred`] on a camera. It renders the image of Bevy's forward renderer from a G-buffer half the
 //! size of that of Bevy's deferred renderer: 8 bytes per pixel in addition to depth, instead of 17.
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A street by night\" src=\"data:image/jpeg;base64,",
+        include_str!("../docs/pictures/thumbs/showcase.jpg.base64"),
+        "\">\n\n*Left: Bevy forward. Right: with diffuse GI, reflections and scattering of this crate.*"
+    )
+)]
+//!
 //! ```no_run
 //! use bevy::prelude::*;
 //! use bevy_lean_deferred::prelude::*;
@@ -49,8 +58,8 @@
 //!    texture. Tiles with special surfaces have a dispatch of their own. Features that the view does not use (fog, probes, shadows,
 //!    decals, …) are neither compiled in nor bound. Until the pipeline for its features is compiled, a general one lights the view,
 //!    which has all features compiled in and binds placeholders for those that the view lacks.
-//! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing. The functions of 2 light
-//!    those meshes of `StandardMaterial` that `docs/limits.md` does not exclude.
+//! 3. **Bevy's passes**: forward-only opaque meshes, sky, transmissive and transparent meshes, post-processing. Those meshes of
+//!    `StandardMaterial` are lit by the functions of step 2, with the exceptions in `docs/limits.md`.
 //!
 //! Occlusion, diffuse GI and reflections run between 1 and 2, subsurface scattering after 2, auto exposure after anti-aliasing
 //! and before post-processing. The modules of [`effects`] describe their passes.
@@ -72,6 +81,9 @@
 //! the GPU memory of each effect.
 //!
 //! # FAQ
+//!
+//! Pages whose names begin with `docs/` are in the package: [docs.rs](https://docs.rs/crate/bevy_lean_deferred/latest/source/docs/) shows
+//! them.
 //!
 //! **Should I use it?** Yes for many lights, for a camera that Bevy renders deferred or with a prepass, or for one of the effects. No for
 //! a forward camera with few lights and no prepass, for MSAA, and for WebGL2. The README has a table of cases.
@@ -98,8 +110,8 @@
 //! **How do I switch it at run time?** Insert and remove components, or apply a [`LeanPreset`]. Spawn the camera with `Hdr` and `Msaa::Off`,
 //! so that no pipeline has to change its format.
 //!
-//! **Which devices?** [`LeanSupport`] tells before any camera is spawned. WebGPU's default limits suffice for all but scattering, decals,
-//! textures of lights and several environment maps.
+//! **Which devices does it need?** [`LeanSupport`] has the answer before any camera is spawned. WebGPU's default limits suffice for all but
+//! scattering, decals, textures of lights and several environment maps.
 
 #![warn(missing_docs)]
 

@@ -5,10 +5,6 @@
 use argh::FromArgs;
 use bevy::{prelude::*, ui::IsDefaultUiCamera};
 use bevy_lean_deferred::{material_extension::SubsurfaceAlbedo, prelude::*};
-use kit::{
-    example::run::{self, SceneReady},
-    headless::Headless,
-};
 
 /// A menu of graphics settings.
 #[derive(FromArgs)]
@@ -25,9 +21,13 @@ struct Args {
 fn main() -> AppExit {
     let args: Args = argh::from_env();
     let game = move |app: &mut App| add_game(app, args.preset);
+    // Writes the picture of the docs. Games need neither this nor `kit`, which is not published.
     if let Some(path) = args.headless {
-        let headless = Headless::with(UVec2::new(1280, 720), game);
-        return run::write_picture(headless, &path, 8);
+        let headless = kit::headless::Headless::with(UVec2::new(1280, 720), |app| {
+            app.insert_resource(kit::example::run::SceneReady);
+            game(app);
+        });
+        return kit::example::run::write_picture(headless, &path, 8);
     }
     App::new()
         .add_plugins((DefaultPlugins, LeanDeferredPlugins))
@@ -37,7 +37,6 @@ fn main() -> AppExit {
 
 fn add_game(app: &mut App, preset: LeanPreset) {
     app.insert_resource(Chosen(preset))
-        .insert_resource(SceneReady)
         .add_systems(Startup, (spawn_camera, spawn_room, spawn_menu))
         .add_systems(
             Update,

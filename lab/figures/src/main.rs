@@ -155,6 +155,10 @@ struct WipeArgs {
     #[argh(switch)]
     beside: bool,
 
+    /// part of each picture: left, top, width and height in percent, such as 50,20,25,25
+    #[argh(option, from_str_fn(percents))]
+    crop: Option<[u32; 4]>,
+
     /// width in pixels to which the file's picture is shrunk
     #[argh(option)]
     width: Option<u32>,
@@ -162,6 +166,15 @@ struct WipeArgs {
     /// most kilobytes of the file, whose quality is lowered until it fits
     #[argh(option)]
     kilobytes: Option<usize>,
+}
+
+fn percents(text: &str) -> Result<[u32; 4], String> {
+    let numbers = text
+        .split(',')
+        .map(str::parse)
+        .collect::<Result<Vec<_>, _>>();
+    let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    numbers.ok_or_else(|| "expected four whole numbers".into())
 }
 
 fn main() -> ExitCode {
@@ -265,6 +278,7 @@ fn docs(check: bool) -> Result<(), String> {
 fn join(args: &WipeArgs) -> Result<(), String> {
     let layout = wipe::Layout {
         beside: args.beside,
+        crop: args.crop,
         width: args.width,
         kilobytes: args.kilobytes,
     };

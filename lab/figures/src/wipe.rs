@@ -5,7 +5,7 @@ use std::path::Path;
 use image::{
     GenericImage, Rgb, RgbImage,
     codecs::jpeg::JpegEncoder,
-    imageops::{FilterType, resize},
+    imageops::{FilterType, crop_imm, resize},
 };
 
 /// Width of the line between two pictures.
@@ -18,6 +18,8 @@ const QUALITIES: [u8; 6] = [90, 85, 80, 70, 60, 50];
 pub struct Layout {
     /// Whole pictures side by side. Otherwise a vertical strip of each, which stays where it is in its own picture.
     pub beside: bool,
+    /// The part of each picture that is taken: left, top, width and height in percent of the picture.
+    pub crop: Option<[u32; 4]>,
     /// Width in pixels to which the result is shrunk.
     pub width: Option<u32>,
     /// Most kilobytes of the file.
@@ -28,7 +30,7 @@ pub struct Layout {
 pub fn write(pictures: &[impl AsRef<Path>], path: &Path, layout: Layout) -> Result<(), String> {
     let pictures = pictures
         .iter()
-        .map(|path| read(path.as_ref()))
+        .map(|path| crop(read(path.as_ref())?, layout.crop))
         .collect::<Result<Vec<_>, _>>()?;
     let joined = match layout.beside {
         true => beside(&pictures)?,
@@ -67,6 +69,18 @@ fn shrink(picture: RgbImage, width: Option<u32>) -> RgbImage {
 fn read(path: &Path) -> Result<RgbImage, String> {
     let picture = image::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
     Ok(picture.into_rgb8())
+}
+
+fn crop(picture: RgbImage, part: Option<[u32; 4]>) -> Result<RgbImage, String> {
+    let Some([left, top, width, height]) = part else {
+        return Ok(picture);
+    };
+    if left + width > 100 || top + height > 100 {
+        return Err("the part is not within the picture".into());
+    }
+    let [x, width] = [left, width].map(|percent| picture.width() * percent / 100);
+    let [y, height] = [top, height].map(|percent| picture.height() * percent / 100);
+    Ok(crop_imm(&picture, x, y, width, height).to_image())
 }
 
 /// The size of all pictures.
@@ -136,6 +150,15 @@ mod tests {
         let row: Vec<u8> = joined.pixels().map(|pixel| pixel[0]).collect();
         assert_eq!(row, [1, 1, 255, 255, 2, 2]);
         assert_eq!(shrink(joined, Some(3)).dimensions(), (3, 1));
+    }
+
+    #[test]
+    fn parts_are_in_percent() {
+        let picture = RgbImage::from_fn(10, 20, |x, y| Rgb([x as u8, y as u8, 0]));
+        let part = crop(picture.clone(), Some([50, 50, 30, 20])).expect("it is within");
+        assert_eq!(part.dimensions(), (3, 4));
+        assert_eq!(part.get_pixel(0, 0), &Rgb([5, 10, 0]));
+        assert!(crop(picture, Some([50, 50, 51, 20])).is_err());
     }
 
     #[test]

@@ -2,6 +2,15 @@
 //!
 //! Put [`LeanScreenSpaceAmbientOcclusion`] on any `Camera3d`. It needs no prepass: it reads the depth of the opaque meshes.
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A courtyard\" src=\"data:image/jpeg;base64,",
+        include_str!("../../../docs/pictures/thumbs/ambient_occlusion.jpg.base64"),
+        "\">\n\n*A courtyard under an overcast sky: without occlusion, and with it.*"
+    )
+)]
+//!
 //! 1. A pass gathers occlusion into a single-channel texture at full or half resolution, from horizons ([`OcclusionKernel::Hbao`]) or
 //!    from valleys of depth ([`OcclusionKernel::Hdao`]).
 //! 2. A filter removes the pattern of the samples, 2×2 or 4×4 pixels ([`OcclusionFilter`]).

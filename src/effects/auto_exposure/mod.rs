@@ -1,5 +1,14 @@
 //! Auto exposure: reduces the luminance of the picture in two dispatches, and adapts the exposure to it.
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A dark corner\" src=\"data:image/jpeg;base64,",
+        include_str!("../../../docs/pictures/thumbs/auto_exposure_dark.jpg.base64"),
+        "\">\n\n*A corner lit by a lamp: without auto exposure, and with it.*"
+    )
+)]
+//!
 //! Put [`LeanAutoExposure`] on any camera, 3D or 2D; it adds `Hdr`. Each frame, after anti-aliasing and before bloom:
 //!
 //! 1. *meter*: workgroups sum the luminance of the camera's viewport, weighted by [`MeteringPattern`], for the mean of [`Metering`];

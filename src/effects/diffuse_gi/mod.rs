@@ -1,6 +1,15 @@
 //! Diffuse global illumination: diffuse light between surfaces, and their occlusion of the environment, from one march over depth
 //! (Mayaux 2018, "Horizon-based indirect lighting").
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A room\" src=\"data:image/jpeg;base64,",
+        include_str!("../../../docs/pictures/thumbs/diffuse_gi.jpg.base64"),
+        "\">\n\n*A room lit by the sun through a window: without diffuse GI, and with it.*"
+    )
+)]
+//!
 //! Put [`LeanScreenSpaceGi`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. Three passes run between G-buffer
 //! and lighting:
 //!

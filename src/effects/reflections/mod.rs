@@ -1,5 +1,14 @@
 //! Screen-space reflections: rays through the depth of this frame, into the light of the last one.
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A wet street\" src=\"data:image/jpeg;base64,",
+        include_str!("../../../docs/pictures/thumbs/reflections.jpg.base64"),
+        "\">\n\n*A wet street: without reflections, and with them.*"
+    )
+)]
+//!
 //! Put [`LeanScreenSpaceReflections`] on a camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it. The picture of each frame,
 //! as Bevy's transparent pass leaves it, is kept as history for the next frame. Four passes run between G-buffer and lighting:
 //!

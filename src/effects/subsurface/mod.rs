@@ -1,6 +1,15 @@
 //! Subsurface scattering, after lighting: light that enters a surface leaves it elsewhere, by Burley's profile (Christensen and
 //! Burley 2015, "Approximate Reflectance Profiles for Efficient Subsurface Scattering").
 //!
+#![cfg_attr(
+    doc,
+    doc = concat!(
+        "<img alt=\"A cat of jade\" src=\"data:image/jpeg;base64,",
+        include_str!("../../../docs/pictures/thumbs/subsurface_scattering.jpg.base64"),
+        "\">\n\n*A cat of jade between two lamps: without scattering, and with it.*"
+    )
+)]
+//!
 //! Give a mesh an [`ExtendedStandardMaterial`](crate::material_extension::ExtendedStandardMaterial) with
 //! [`ShadingExtension::Subsurface`](crate::material_extension::ShadingExtension::Subsurface), and put [`LeanSubsurfaceScattering`] on a
 //! camera, which gets [`LeanDeferred`](crate::LeanDeferred) with it.

@@ -1,12 +1,13 @@
 //! Updates README and docs from figures, or checks them.
 //!
-//! Two things are made: tables ([`tables`]) and plots ([`plots`]). Links that lead nowhere are reported ([`links`]), and names of
+//! Three things are made: tables ([`tables`]), plots ([`plots`]), and small pictures as text ([`thumbs`]). Links that lead nowhere are reported ([`links`]), and names of
 //! tests that are not there ([`names`]).
 
 mod links;
 mod names;
 mod plots;
 pub mod tables;
+mod thumbs;
 
 use std::{
     collections::BTreeMap,
@@ -25,12 +26,12 @@ struct Page {
     text: String,
 }
 
-/// The made pages and plots, and their errors.
+/// The made pages and files, and their errors.
 pub struct Docs {
     root: PathBuf,
     pages: Vec<Page>,
-    /// Plots by their paths.
-    plots: BTreeMap<String, String>,
+    /// Plots and small pictures, by their paths.
+    files: BTreeMap<String, String>,
     pub wrong: Vec<String>,
 }
 
@@ -38,10 +39,12 @@ impl Docs {
     /// Makes the docs of the repository at `root` from their figures.
     pub fn new(root: &Path) -> Result<Self, String> {
         let store = Store::of_machines(&root.join(FOLDER))?;
+        let mut files = plots::drawn(&store);
+        files.extend(thumbs::encoded(root)?);
         let mut docs = Self {
             root: root.into(),
             pages: pages(root)?,
-            plots: plots::drawn(&store),
+            files,
             wrong: Vec::new(),
         };
         let mut missing: Vec<&str> = tables::TABLES.iter().map(|(name, _)| *name).collect();
@@ -54,7 +57,7 @@ impl Docs {
                 Ok(made) => *text = plots::fill(&made, name),
                 Err(error) => docs.wrong.push(format!("{name}: {error}")),
             }
-            (docs.wrong).extend(links::dead(root, name, text, &docs.plots));
+            (docs.wrong).extend(links::dead(root, name, text, &docs.files));
             (docs.wrong).extend(names::dead(root, name, text));
         }
         let missing = missing.iter();
@@ -85,9 +88,9 @@ impl Docs {
                 differences.extend(fewer.map(|line| format!("{name}: has   {line}")));
             }
         }
-        for (file, svg) in &self.plots {
-            if std::fs::read_to_string(self.root.join(file)).ok().as_ref() != Some(svg) {
-                differences.push(format!("{file}: is not the plot of the figures"));
+        for (file, text) in &self.files {
+            if std::fs::read_to_string(self.root.join(file)).ok().as_ref() != Some(text) {
+                differences.push(format!("{file}: is not made from the figures or pictures"));
             }
         }
         differences
@@ -95,7 +98,7 @@ impl Docs {
 
     pub fn write(&self) -> Result<(), String> {
         let pages = self.pages.iter().map(|page| (&page.name, &page.text));
-        for (name, text) in pages.chain(&self.plots) {
+        for (name, text) in pages.chain(&self.files) {
             let path = self.root.join(name);
             if std::fs::read_to_string(&path).ok().as_ref() != Some(text) {
                 std::fs::write(&path, text).map_err(|error| format!("{name}: {error}"))?;
