@@ -25,13 +25,29 @@ struct SliceNormal {
 
 /// Projects `normal` into the plane of the unit axes `to_viewer` and `tangent`.
 fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> SliceNormal {
-    let projected = vec2(dot(normal, to_viewer), dot(normal, tangent));
+    return slice_normal_of(vec2(dot(normal, to_viewer), dot(normal, tangent)));
+}
+
+/// `slice_normal` of a normal with these projections on `to_viewer` and `tangent`.
+fn slice_normal_of(projected: vec2<f32>) -> SliceNormal {
     let squared = dot(projected, projected);
     if !(squared > 1e-12) {
         return SliceNormal(0.0, 1.0, 0.0);
     }
     let inverse = inverseSqrt(squared);
     return SliceNormal(squared * inverse, projected.x * inverse, projected.y * inverse);
+}
+
+/// Tangents of the angles between a normal's projections into two slices and the viewer, from the normal along both axes and
+/// `to_viewer`. Those along axes between are linear in these.
+fn lean_of(along_axes: vec2<f32>, to_viewer: f32) -> vec2<f32> {
+    // Not infinite: 0 times infinity is NaN.
+    return along_axes / max(abs(to_viewer), 1e-6);
+}
+
+/// Sine of the angle whose tangent is `lean`.
+fn sine_of_lean(lean: f32) -> f32 {
+    return lean * inverseSqrt(1.0 + lean * lean);
 }
 
 /// Cosine-weighted light of one side of a slice between the viewer's direction and the angle whose cosine is `c`: the closed form

@@ -32,3 +32,13 @@ fn rounded(start: Start, direction: vec2<f32>, distance: f32) -> Rounded {
     let sum = fma(direction, vec2(distance), start.added);
     return Rounded(bitcast<vec2<i32>>(sum) + start.origin, sum - start.taken_off);
 }
+
+/// Place after this integer step from `start`.
+fn place_after(start: Start, step: vec2<f32>) -> vec2<i32> {
+    return bitcast<vec2<i32>>(start.added + step) + start.origin;
+}
+
+/// Place of the start itself.
+fn start_of(start: Start) -> vec2<i32> {
+    return bitcast<vec2<i32>>(start.taken_off) + start.origin;
+}

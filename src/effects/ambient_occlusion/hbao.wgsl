@@ -4,9 +4,11 @@
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::{
     depth_texture, direction_to_viewer, largest_side, radius_at, view,
 }
-#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal, tangents}
+#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal_of, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
-#import bevy_lean_deferred::reconstruction::position::{homogeneous_steps, position_on, ray_at, ray_slope, w_at}
+#import bevy_lean_deferred::reconstruction::position::{
+    direction_on_screen, homogeneous_steps, position_on, ray_at, ray_slope, ray_step, w_at,
+}
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 
 #ifdef SHADING_NORMALS
@@ -34,9 +36,9 @@ struct March {
     of_w: vec3<f32>,
     of_viewer: vec3<f32>,
     of_surface: vec3<f32>,
-    /// Coefficients of x², y² and xy in the squared length of a screen step. In perspective, only of its part perpendicular to the viewer.
-    of_squares: vec3<f32>,
 #ifndef PROJECTION_PERSPECTIVE
+    /// Coefficients of x², y² and xy in the squared length of a screen step.
+    of_squares: vec3<f32>,
     /// Coefficients that a depth difference adds to it: with x, with y, and squared.
     of_depth: vec3<f32>,
 #endif
@@ -77,11 +79,8 @@ fn march_from(
     march.of_w = metre * vec3(of_steps[0].w, of_steps[1].w, of_steps[2].w);
     march.of_viewer = vec4(to_viewer, 0.0) * of_steps;
     march.of_surface = vec4(geometric, 0.0) * of_steps;
+#ifndef PROJECTION_PERSPECTIVE
     march.of_squares = vec3(dot(to_right, to_right), dot(down, down), 2.0 * dot(to_right, down));
-#ifdef PROJECTION_PERSPECTIVE
-    let v = march.of_viewer.xy;
-    march.of_squares -= vec3(v * v, 2.0 * v.x * v.y);
-#else
     let nearer = of_steps[2].xyz;
     march.of_depth = vec3(2.0 * dot(to_right, nearer), 2.0 * dot(down, nearer), dot(nearer, nearer));
 #endif
@@ -106,9 +105,13 @@ fn step_of(march: March, pixels: vec2<f32>) -> Step {
     step.w = dot(march.of_w.xy, pixels);
     step.to_viewer = dot(march.of_viewer.xy, pixels);
     step.above_surface = dot(march.of_surface.xy, pixels);
+#ifdef PROJECTION_PERSPECTIVE
+    // Of the part perpendicular to the viewer. Without coefficients, which would take three registers through the march.
+    let across = ray_step(view.view_from_pixel, pixels);
+    step.squared = dot(across, across) - step.to_viewer * step.to_viewer;
+#else
     let squares = march.of_squares;
     step.squared = (squares.x * pixels.x + squares.z * pixels.y) * pixels.x + squares.y * pixels.y * pixels.y;
-#ifndef PROJECTION_PERSPECTIVE
     step.with_depth = dot(march.of_depth.xy, pixels);
 #endif
     return step;
@@ -221,20 +224,27 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
         offset = 0.125 + 0.25 * f32(phase + block) + 0.0625 * f32(block) + view.turn;
     }
 
-    let basis = tangents(to_viewer);
+    // The first slice is along the first axis. Terms along both axes, of which the slices need few, take fewer registers than vectors.
+    let basis = tangents(to_viewer) * mat2x2(rotation, vec2(-rotation.y, rotation.x));
+    rotation = vec2(1.0, 0.0);
     let slope = ray_slope(view.view_from_pixel, ray, position);
+    let on_tangents = mat2x2(
+        radius.pixels * direction_on_screen(slope, basis[0]), radius.pixels * direction_on_screen(slope, basis[1]),
+    );
+    let normal_on_tangents = normal * basis;
+    let normal_to_viewer = dot(normal, to_viewer);
+    let geometric_on_tangents = geometric * basis;
+    let geometric_to_viewer = dot(geometric, to_viewer);
     var occlusion = 0.0;
     for (var slice = 0u; slice < SLICES; slice++) {
         // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
-        let tangent = basis * rotation;
+        let lobe = slice_normal_of(vec2(normal_to_viewer, dot(normal_on_tangents, rotation)));
+        let surface = slice_normal_of(vec2(geometric_to_viewer, dot(geometric_on_tangents, rotation)));
+        let on_screen = on_tangents * rotation;
         rotation = turned(rotation, view.slice_rotation);
-        let direction = tangent.xy - tangent.z * slope;
-        let lobe = slice_normal(normal, to_viewer, tangent);
-        let surface = slice_normal(geometric, to_viewer, tangent);
         // Horizons of the surface itself.
         let bases = vec2(-surface.sine, surface.sine);
 
-        let on_screen = radius.pixels * vec2(direction.x, -direction.y);
         let longer_side = largest_side(on_screen);
         march.direction = on_screen / longer_side;
         let part = 0.5 / f32(STEPS);

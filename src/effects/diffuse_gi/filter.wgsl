@@ -1,5 +1,5 @@
 // Filters gathered light: the mean of 4×4 texels, whose slices cover all directions of the pattern, without texels of other
-// surfaces. Where few of the directions have most of the light, as beside a small lamp, the mean of sixteen such means.
+// surfaces. Where few of the directions have most of the light, as beside a small lamp, a mean of the blocks of 4×4 around.
 #import bevy_lean_deferred::gbuffer::layout::light::{LARGEST_HALF, pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
@@ -11,23 +11,33 @@
 const SIDE: u32 = 16u;
 /// Invocations of a workgroup.
 const STRIDE: u32 = 256u;
-/// Side of the means that it computes: its own, four before and three after.
-const MEANS_SIDE: u32 = 23u;
-/// Side of the texels that these are means of: one before them and two after.
-const CACHE_SIDE: u32 = 26u;
+/// Side of a block: of the pattern, so that each block has all directions.
+const BLOCK: u32 = 4u;
+/// Blocks of the workgroup's texels and one more on either side: along an axis of the first grid, and of the second one, which begins
+/// half a block before.
+const FIRST_SIDE: u32 = 6u;
+const SECOND_SIDE: u32 = 7u;
+const FIRST_COUNT: u32 = FIRST_SIDE * FIRST_SIDE;
+const BLOCK_COUNT: u32 = FIRST_COUNT + SECOND_SIDE * SECOND_SIDE;
+/// Texels of the blocks before those of the workgroup, and the side of all.
+const MARGIN: u32 = 6u;
+const CACHE_SIDE: u32 = SECOND_SIDE * BLOCK;
 
-/// Gathered light, and then its means over 4×4 texels, as halves.
-var<workgroup> light: array<vec2<u32>, 676>;
-var<workgroup> depths: array<f32, 676>;
-/// Means of the squares of `total`.
-var<workgroup> squares: array<f32, 529>;
+/// Gathered light, as halves, and depths. CACHE_SIDE² texels.
+var<workgroup> light: array<vec2<u32>, 784>;
+var<workgroup> depths: array<f32, 784>;
+/// Means of the blocks. x: the depth for which they hold; y: mean of the squares of `total`.
+var<workgroup> block_light: array<vec4<f32>, BLOCK_COUNT>;
+var<workgroup> block_depths: array<vec2<f32>, BLOCK_COUNT>;
 
+/// Depth of texels without a surface: none is near to it.
+const NO_SURFACE: f32 = -1e9;
 /// Squared coefficients of variation of the texels' light from which on the wide mean counts, and counts alone. Of sixteen texels of
 /// which one to eight see a lamp, it is 15 to 1.
 const SPARSE: f32 = 0.5;
 const SPARSEST: f32 = 1.5;
-/// Weight of other means on the surface from which on the wide mean counts in full.
-const ENOUGH: f32 = 4.0;
+/// Weight of the blocks on the surface, at most 1 per grid, from which on the wide mean counts in full.
+const ENOUGH: f32 = 0.5;
 
 fn total(color: vec3<f32>) -> f32 {
     return color.r + color.g + color.b;
@@ -51,28 +61,19 @@ fn plane_at(center: u32) -> Plane {
 
 /// Weight, 0 to 1, of a texel of this depth at `offset` from the plane's centre.
 fn weight_on(plane: Plane, depth: f32, offset: vec2<f32>) -> f32 {
-    let expected = plane.depth + dot(plane.slope, offset);
-    let alike = saturate(2.0 - abs(depth - expected) * plane.inverse_step);
-    return min(alike, 1.0) * f32(depth > 0.0);
+    let expected = plane.depth + plane.slope.y * offset.y + plane.slope.x * offset.x;
+    return saturate(2.0 - abs(depth - expected) * plane.inverse_step);
 }
 
-struct Mean {
-    /// As halves.
-    light: vec2<u32>,
-    /// Of `total`.
-    square: f32,
-}
-
-/// Mean of the 4×4 texels around the texel of a mean, from `light`.
-fn mean_at(mean: u32) -> Mean {
-    let center = (mean % MEANS_SIDE + 1u) + CACHE_SIDE * (mean / MEANS_SIDE + 1u);
+/// Stores the means of the block whose second texel along both axes is `center`.
+fn find_block(block: u32, center: u32) {
     var sum = vec4(0.0);
     var sum_of_squares = 0.0;
     var weights = 1e-6;
-    if depths[center] > 0.0 {
-        let plane = plane_at(center);
-        for (var y = 0u; y < 4u; y++) {
-            for (var x = 0u; x < 4u; x++) {
+    let plane = plane_at(center);
+    if plane.depth > 0.0 {
+        for (var y = 0u; y < BLOCK; y++) {
+            for (var x = 0u; x < BLOCK; x++) {
                 let other = center + x + CACHE_SIDE * y - 1u - CACHE_SIDE;
                 let weight = weight_on(plane, depths[other], vec2(f32(x), f32(y)) - 1.0);
                 let gathered = unpack_halves(light[other]);
@@ -83,17 +84,74 @@ fn mean_at(mean: u32) -> Mean {
             }
         }
     }
-    return Mean(pack_halves(sum / weights), sum_of_squares / weights);
+    block_light[block] = sum / weights;
+    block_depths[block] = vec2(plane.depth, sum_of_squares / weights);
 }
 
-fn keep(index: u32, mean: Mean) {
-    light[index] = mean.light;
-    squares[index] = mean.square;
+/// Mean of the block whose second texel along both axes is `center`.
+fn narrow_mean(plane: Plane, center: u32) -> vec4<f32> {
+    var sum = vec4(0.0);
+    var weights = 1e-6;
+    for (var y = 0u; y < BLOCK; y++) {
+        for (var x = 0u; x < BLOCK; x++) {
+            let other = center + x + CACHE_SIDE * y - 1u - CACHE_SIDE;
+            let weight = weight_on(plane, depths[other], vec2(f32(x), f32(y)) - 1.0);
+            sum += unpack_halves(light[other]) * weight;
+            weights += weight;
+        }
+    }
+    return sum / weights;
+}
+
+/// Sums over blocks.
+struct Sums {
+    light: vec4<f32>,
+    squares: f32,
+    weights: f32,
+}
+
+/// Weights of three blocks in a row for a texel of the middle one, `inner` texels after its first: continuous across blocks, so that
+/// neighbours are alike.
+fn block_weights(inner: f32) -> array<f32, 3> {
+    let part = (inner + 0.5) / f32(BLOCK);
+    return array<f32, 3>(0.5 * (1.0 - part), 0.5, 0.5 * part);
+}
+
+/// Adds the 3×3 blocks of a grid around a texel, which is at `place` there. `first` and `side`: index of the grid's first block, and
+/// blocks in a row.
+fn add_blocks(sums: ptr<function, Sums>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
+    let corner = first + place.x / BLOCK + side * (place.y / BLOCK);
+    let inner = vec2<f32>(place % BLOCK);
+    let of_x = block_weights(inner.x);
+    let of_y = block_weights(inner.y);
+    // The texel of the first of the blocks that has its depth: the second along both axes.
+    let at_corner = Plane(plane.depth - dot(plane.slope, inner + f32(BLOCK - 1u)), plane.slope, plane.inverse_step);
+    for (var y = 0u; y < 3u; y++) {
+        for (var x = 0u; x < 3u; x++) {
+            let block = corner + (x + side * y);
+            let of_block = block_depths[block];
+            let offset = f32(BLOCK) * vec2(f32(x), f32(y));
+            let weight = of_x[x] * of_y[y] * weight_on(at_corner, of_block.x, offset);
+            (*sums).light += block_light[block] * weight;
+            (*sums).squares += of_block.y * weight;
+            (*sums).weights += weight;
+        }
+    }
+}
+
+/// First texel of a block.
+fn place_of_block(block: u32) -> vec2<u32> {
+    let second = block - FIRST_COUNT;
+    return select(
+        BLOCK * vec2(second % SECOND_SIDE, second / SECOND_SIDE),
+        BLOCK * vec2(block % FIRST_SIDE, block / FIRST_SIDE) + BLOCK / 2u,
+        block < FIRST_COUNT,
+    );
 }
 
 @compute @workgroup_size(256, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) i: u32) {
-    let corner = vec2<i32>(workgroup.xy * SIDE) - 5;
+    let corner = vec2<i32>(workgroup.xy * SIDE) - i32(MARGIN);
     let last = vec2<i32>(view.texture_size) - 1;
     for (var read = i; read < CACHE_SIDE * CACHE_SIDE; read += STRIDE) {
         let texel = corner + vec2<i32>(vec2(read % CACHE_SIDE, read / CACHE_SIDE));
@@ -101,57 +159,36 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         light[read] = pack_halves(min(textureLoad(gathered_texture, inside, 0), vec4(LARGEST_HALF)));
         let depth = unpack_depth(textureLoad(levels, inside, 0).r);
         // Texels beyond the border have no weight.
-        depths[read] = select(0.0, depth, all(texel == inside));
+        depths[read] = select(NO_SURFACE, depth, depth > 0.0 && all(texel == inside));
     }
     workgroupBarrier();
 
-    // The means take the place of the light, once all are computed.
-    let first = mean_at(i);
-    let second = mean_at(i + STRIDE);
-    var third: Mean;
-    let has_third = i + 2u * STRIDE < MEANS_SIDE * MEANS_SIDE;
-    if has_third {
-        third = mean_at(i + 2u * STRIDE);
+    if i < BLOCK_COUNT {
+        let block = place_of_block(i);
+        find_block(i, (block.x + 1u) + CACHE_SIDE * (block.y + 1u));
     }
-    workgroupBarrier();
-    keep(i, first);
-    keep(i + STRIDE, second);
-    if has_third {
-        keep(i + 2u * STRIDE, third);
-    }
-    workgroupBarrier();
-
     let place = vec2(i % SIDE, i / SIDE);
+    let center = (place.x + MARGIN) + CACHE_SIDE * (place.y + MARGIN);
+    let plane = plane_at(center);
+    var narrow = vec4(0.0);
+    if plane.depth > 0.0 {
+        narrow = narrow_mean(plane, center);
+    }
+    workgroupBarrier();
+
     let texel = workgroup.xy * SIDE + place;
     if any(texel >= view.texture_size) {
         return;
     }
-    let center = (place.x + 5u) + CACHE_SIDE * (place.y + 5u);
     var found = vec4(0.0);
-    if depths[center] > 0.0 {
-        let own = (place.x + 4u) + MEANS_SIDE * (place.y + 4u);
-        let narrow = unpack_halves(light[own]);
-        let plane = plane_at(center);
-        var sum = vec4(0.0);
-        var sum_of_squares = 0.0;
-        var weights = 1e-6;
-        // Means at -4, -1, 0 and 3 along both axes: as many at even places as at odd ones, so that neighbours are alike.
-        for (var y = 0u; y < 4u; y++) {
-            for (var x = 0u; x < 4u; x++) {
-                let step = 2u * vec2(x, y) + (vec2(x, y) & vec2(1u));
-                let other = place + step;
-                let depth = depths[(other.x + 1u) + CACHE_SIDE * (other.y + 1u)];
-                let weight = weight_on(plane, depth, vec2<f32>(step) - 4.0);
-                let mean = other.x + MEANS_SIDE * other.y;
-                sum += unpack_halves(light[mean]) * weight;
-                sum_of_squares += squares[mean] * weight;
-                weights += weight;
-            }
-        }
-        let wide = sum / weights;
+    if plane.depth > 0.0 {
+        var sums = Sums(vec4(0.0), 0.0, 1e-6);
+        add_blocks(&sums, plane, place, 0u, FIRST_SIDE);
+        add_blocks(&sums, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
+        let wide = sums.light / sums.weights;
         let brightness = total(wide.rgb);
-        let variation = sum_of_squares / weights / max(brightness * brightness, 1e-12) - 1.0;
-        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(weights / ENOUGH);
+        let variation = sums.squares / sums.weights / max(brightness * brightness, 1e-12) - 1.0;
+        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(sums.weights / ENOUGH);
         found = mix(narrow, wide, share);
     }
     // Clamp to the whole hemisphere.

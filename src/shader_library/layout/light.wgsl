@@ -15,13 +15,17 @@ fn power_of_two(n: i32) -> f32 {
     return bitcast<f32>(u32(n + 127) << 23u);
 }
 
+/// Integer part of the binary logarithm of a normal, positive number: its exponent bits.
+fn integer_logarithm(x: f32) -> i32 {
+    return i32(bitcast<u32>(x) >> 23u) - 127;
+}
+
 /// Packs linear, exposed light. Negative values and colours with a NaN become 0.
 fn pack_light(color: vec3<f32>) -> u32 {
     let number = select(color, vec3(0.0), is_nan(color.r + color.g + color.b));
     let valid = clamp(number, vec3(0.0), vec3(LARGEST_LIGHT));
     let largest = max(valid.r, max(valid.g, valid.b));
-    // The float's exponent bits hold the integer part of the logarithm.
-    var exponent = max(i32(bitcast<u32>(largest) >> 23u) - 127, -16) + 16;
+    var exponent = max(integer_logarithm(largest), -16) + 16;
     // The mantissa would be rounded up to ten bits.
     if largest * power_of_two(24 - exponent) + 0.5 >= 512.0 {
         exponent += 1;

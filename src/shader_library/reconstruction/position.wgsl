@@ -95,6 +95,12 @@ fn ray_slope(view_from: mat4x4<f32>, ray: vec2<f32>, position: vec3<f32>) -> vec
 #endif
 }
 
+/// Screen direction, y downwards, of a view-space `direction` at a position with this `ray_slope`. Without the scale of either axis.
+fn direction_on_screen(slope: vec2<f32>, direction: vec3<f32>) -> vec2<f32> {
+    let across = direction.xy - direction.z * slope;
+    return vec2(across.x, -across.y);
+}
+
 /// Like `homogeneous_position`, divided by w. Cheaper where the projection is of a common kind and `view_from` is normalised by
 /// `reconstruction::position::normalized`: the omitted elements of such matrices are 0, or 1 where they divide.
 fn view_position(view_from: mat4x4<f32>, p: vec3<f32>) -> vec3<f32> {
