@@ -146,10 +146,11 @@ fn place_of_some(
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight {
     let origin = view_position(receiver.at, receiver.depth);
     let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
+    let to_mirror = length(origin);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let distance_to_viewer = 0.0;
 #else
-    let distance_to_viewer = length(origin);
+    let distance_to_viewer = to_mirror;
 #endif
     let line = Line(homogeneous_pixel(origin, 1.0), homogeneous_pixel(direction, 0.0));
     // Metres, and confidence.
@@ -182,7 +183,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     let position = origin + direction * mean.x;
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
-    let light = mirrored_light(at, position, level, origin, mean.x);
+    let light = mirrored_light(at, position, level, to_mirror, mean.x);
     let confidence = mean.y * light.w;
     return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain);
 }
