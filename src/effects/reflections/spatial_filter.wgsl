@@ -23,6 +23,8 @@ const SMALLEST: f32 = 3.0;
 /// Least radius of a smooth surface's lobe, in texels.
 const LEAST_RADIUS: f32 = 0.25;
 const LARGEST: f32 = f32(RIM + 1);
+/// Texels in a row of the largest kernel.
+const ROW: i32 = 2 * RIM + 1;
 /// Radii of a smooth surface's lobe within which weights are above 1/400.
 const OF_NARROW: f32 = 4.36;
 
@@ -113,6 +115,8 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<
         last = i32(clamp(OF_NARROW * inverseSqrt(inverse_square(radius)), 1.0, f32(RIM)));
         slopes = slopes_of(rotated(normal), position, radius);
     }
+    // Wide lobes are made by the linear weights alone.
+    let is_narrow = any(slopes != vec3(0.0));
     let slope = slope_at(texel);
     let inverse_step = inverse_step_at(depth);
     var sum = vec4(0.0);
@@ -122,15 +126,24 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<
     for (var y = -last; y <= last; y++) {
         let down = f32(y);
         let share_of_row = reach - abs(down);
-        // Of the whole row: the loop is unrolled then.
+        // Of the whole row: the loops are unrolled then.
+        var row: array<f32, ROW>;
         for (var x = -RIM; x <= RIM; x++) {
             let along = f32(x);
             let share = share_of_row * max(reach - abs(along), 0.0);
-            // GGX.
-            let spread = slopes.z * down * down + 1.0 + (slopes.y * 2.0 * down + slopes.x * along) * along;
             let expected = depth + slope.y * down + slope.x * along;
-            let alike = likeness(normal, expected, middle + x, inverse_step);
-            let weight = share * alike / (spread * spread);
+            row[x + RIM] = share * likeness(normal, expected, middle + x, inverse_step);
+        }
+        if is_narrow {
+            for (var x = -RIM; x <= RIM; x++) {
+                let along = f32(x);
+                // GGX.
+                let spread = slopes.z * down * down + 1.0 + (slopes.y * 2.0 * down + slopes.x * along) * along;
+                row[x + RIM] *= 1.0 / (spread * spread);
+            }
+        }
+        for (var x = -RIM; x <= RIM; x++) {
+            let weight = row[x + RIM];
             sum += weight * unpack_halves(lights[middle + x]);
             weights += weight * unpack2x16float(normals[middle + x].y).y;
         }
