@@ -63,33 +63,28 @@ const INTO: f32 = 1.0 / 256.0;
 /// Constants of a ray's walk from cell to cell.
 struct CellWalk {
     inverse_step: vec2<f32>,
-    ends_from: vec2<f32>,
+    /// 1 along axes on which it moves forwards, else 0.
     forwards: vec2<f32>,
-    /// Coordinates of the last of 4×4 cells in a larger one, in the ray's direction.
-    last_of_four: vec2<i32>,
-    start: vec2<f32>,
 }
 
 fn cell_walk(ray: Ray) -> CellWalk {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
-    let inverse_step = 1.0 / step;
-    let is_forward = step > vec2(0.0);
-    return CellWalk(
-        inverse_step,
-        -ray.start.xy * inverse_step,
-        vec2<f32>(is_forward),
-        select(vec2(0), vec2(3), is_forward),
-        ray.start.xy + select(vec2(-INTO), vec2(INTO), is_forward),
-    );
+    return CellWalk(1.0 / step, vec2<f32>(step > vec2(0.0)));
+}
+
+/// Number of the cell that the walk enters at `u`, per axis.
+fn cell_place(walk: CellWalk, ray: Ray, u: f32, inverse_side: f32) -> vec2<f32> {
+    let into = walk.forwards * (2.0 * INTO) - INTO;
+    return floor((ray.start.xy + ray.step.xy * u + into) * inverse_side);
 }
 
 /// Parameters at which the walk leaves the cell at `place` along each axis.
-fn cell_ends(walk: CellWalk, place: vec2<f32>, side: f32) -> vec2<f32> {
-    return (place + walk.forwards) * (side * walk.inverse_step) + walk.ends_from;
+fn cell_ends(walk: CellWalk, ray: Ray, place: vec2<f32>, side: f32) -> vec2<f32> {
+    return ((place + walk.forwards) * side - ray.start.xy) * walk.inverse_step;
 }
 
-/// True if a larger cell begins where the walk leaves `cell`, at one of `ends`.
-fn larger_begins(walk: CellWalk, cell: vec2<i32>, ends: vec2<f32>) -> bool {
-    let crossed = select(cell.y ^ walk.last_of_four.y, cell.x ^ walk.last_of_four.x, ends.x < ends.y);
-    return (crossed & 3) == 0;
+/// True if a larger cell, of 4×4, begins where the walk leaves the cell at `place`, at one of `ends`.
+fn larger_begins(walk: CellWalk, place: vec2<f32>, ends: vec2<f32>) -> bool {
+    let next = place + walk.forwards;
+    return fract(0.25 * select(next.y, next.x, ends.x < ends.y)) == 0.0;
 }

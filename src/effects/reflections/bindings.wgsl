@@ -112,7 +112,7 @@ fn unpack_distance(hit: u32) -> f32 {
     return bitcast<f32>(hit & 0xffffff00u);
 }
 
-/// 0 to 127; only ratios of weights matter.
+/// 0 to 1.
 fn unpack_weight(hit: u32) -> f32 {
-    return f32((hit >> 1u) & 0x7fu);
+    return f32((hit >> 1u) & 0x7fu) / 127.0;
 }

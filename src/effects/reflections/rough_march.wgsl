@@ -26,9 +26,11 @@ fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
     var u = back;
     var pixel = pixel_on(ray, u);
     var depth = depth_at_back;
+    var is_narrow = false;
     var hit: RayHit;
-    for (var i = 0u; i <= HALVINGS; i++) {
-        let z = ray.start.z + ray.step.z * u;
+    for (var i = 0u; i <= HALVINGS + 1u; i++) {
+        // Within a pixel the ray crosses the surface, however far it is behind it there.
+        let z = select(ray.start.z + ray.step.z * u, depth, is_narrow);
         if z > depth {
             before = u;
         } else {
@@ -42,19 +44,21 @@ fn hit_between(ray: Ray, direction: vec3<f32>, front: f32, back: f32, depth_at_b
                 }
             }
         }
-        if after - before <= 1.0 {
+        if is_narrow {
             break;
         }
-        u = 0.5 * (before + after);
+        is_narrow = after - before <= 1.0;
+        u = select(0.5 * (before + after), after, is_narrow);
         pixel = pixel_on(ray, u);
-        depth = depth_in_view(pixel);
-    }
-    // The tolerance covers steps between pixels of one surface.
-    let z_before = ray.start.z + ray.step.z * before;
-    if !hit.is_hit && after - before <= 1.0 && z_before > depth_after - edge_step(depth_after, 1.0) {
-        pixel = pixel_on(ray, after);
-        if depth_inside(pixel, depth_after, depth_after, direction) < 1.0 {
-            hit = RayHit(true, after, vec3(vec2<f32>(pixel), depth_after), 1.0);
+        if is_narrow {
+            depth = depth_after;
+            // The tolerance covers steps between pixels of one surface.
+            let z_before = ray.start.z + ray.step.z * before;
+            if hit.is_hit || z_before <= depth - edge_step(depth, 1.0) {
+                break;
+            }
+        } else {
+            depth = depth_in_view(pixel);
         }
     }
     return hit;

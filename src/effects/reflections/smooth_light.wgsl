@@ -39,17 +39,23 @@ struct SmoothLight {
     is_certain: bool,
 }
 
-/// Homogeneous projection of a ray, linear in the metres along it.
+/// The pixel's own ray on screen, in pixels and depth: `start + along.xyz * metres / (1 + along.w * metres)`.
 struct Line {
-    first: vec4<f32>,
+    start: vec3<f32>,
     along: vec4<f32>,
+}
+
+fn line_from(start: vec3<f32>, origin: vec3<f32>, direction: vec3<f32>) -> Line {
+    let here = homogeneous_pixel(origin, 1.0).w;
+    let towards = homogeneous_pixel(direction, 0.0);
+    return Line(start, vec4(towards.xyz - start * towards.w, towards.w) / here);
 }
 
 /// In pixels, and depth.
 fn seen_at(line: Line, metres: f32) -> vec3<f32> {
-    let seen = line.first + line.along * metres;
+    let scale = 1.0 + line.along.w * metres;
     // Points behind the camera are off-screen.
-    return select(vec3(-1e9), seen.xyz / seen.w, seen.w > 0.0);
+    return select(vec3(-1e9), line.start + line.along.xyz * (metres / scale), scale > 0.0);
 }
 
 /// Gap by which the pixel's ray is in front of the visible surface at `at`, in depth steps of surfaces a pixel apart.
@@ -146,12 +152,13 @@ fn place_of_some(
 fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight {
     let origin = view_position(receiver.at, receiver.depth);
     let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
+    let to_mirror = length(origin);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let distance_to_viewer = 0.0;
 #else
-    let distance_to_viewer = length(origin);
+    let distance_to_viewer = to_mirror;
 #endif
-    let line = Line(homogeneous_pixel(origin, 1.0), homogeneous_pixel(direction, 0.0));
+    let line = line_from(vec3(receiver.at, receiver.depth), origin, direction);
     // Metres, and confidence.
     var sum = vec2(0.0);
     var weights = 0.0;
@@ -179,10 +186,11 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
         // At silhouettes.
         return SmoothLight(light_around(receiver, first, along), false, false);
     }
-    let position = origin + direction * mean.x;
+    // Not `origin + direction * mean.x`: six registers less are in use until here.
+    let position = view_position(at.xy, at.z);
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
-    let light = mirrored_light(at, position, level, origin, mean.x);
+    let light = mirrored_light(at, position, level, to_mirror, mean.x);
     let confidence = mean.y * light.w;
     return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain);
 }

@@ -1,18 +1,45 @@
 // Marches the ray of a smooth surface through cells and pixels.
 #define_import_path bevy_lean_deferred::effects::reflections::smooth_march
 
-#import bevy_lean_deferred::effects::reflections::bindings::{behind, edge_step, hi_z_texture, depth_texture, view}
+#import bevy_lean_deferred::effects::reflections::bindings::{
+    behind, depth_texture, edge_step, hi_z_texture, view, view_position,
+}
 #import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, depth_inside, pixel_on}
-#import bevy_lean_deferred::screen_ray::{FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, cell_ends, cell_walk, larger_begins}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, depth_inside, ray_on_screen}
+#import bevy_lean_deferred::screen_ray::{
+    FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, at_metres, cell_ends, cell_place, cell_walk,
+    larger_begins,
+}
 
 /// Above the depth of the sky as stored in cells.
 const NEAREST_TO_SKY: f32 = 1e-9;
+
+/// A ray that may scatter on its way.
+struct Path {
+    ray: Ray,
+    /// In view space.
+    direction: vec3<f32>,
+    is_scattered: bool,
+}
+
 /// Marches through the largest cells that the ray passes in front of or behind, to the first surface whose front faces it (Uludag
-/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). `direction` is the ray's in view space. After `steps`, `state` has where the
-/// march ended. It begins where the ray leaves its own pixel.
-fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchState>) -> RayHit {
-    let walk = cell_walk(ray);
+/// 2014, "Hi-Z Screen-Space Cone-Traced Reflections"). After `metres` it goes on in the direction `scattered`, in the same loop. After
+/// `steps`, `state` has where the march ended. It begins where the ray leaves its own pixel.
+fn march(
+    path: ptr<function, Path>,
+    scattered: vec3<f32>,
+    metres: f32,
+    steps: u32,
+    state: ptr<function, MarchState>,
+) -> RayHit {
+    var ray = (*path).ray;
+    var direction = (*path).direction;
+    var is_scattered = (*path).is_scattered;
+    let end = ray.end;
+    // Scattered ends are those of another ray.
+    ray.end = min(end, at_metres(ray, metres));
+    var bends = ray.end < end && !is_scattered;
+    var walk = cell_walk(ray);
     let rows = largest_rows(view.viewport_size.y);
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
@@ -21,25 +48,25 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
     // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start, and with a
     // tolerance, because what leans to the viewer is nearer there than where it touches. The pixel may also show what hides the
     // mirror: then the ray starts behind it.
-    // A scattered ray begins at 0, far from the mirror.
-    let first = select(u, -1.0, u == 0.0);
+    let first = u;
     var z = ray.start.z;
     var was_in_front = (*state).is_in_front;
     var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
-        let place = floor((walk.start + ray.step.xy * u) * inverse_side);
+        let place = cell_place(walk, ray, u, inverse_side);
         let cell = vec2<i32>(place);
+        let pixel = clamp(cell, vec2(0), last);
         let is_pixel = side < FIRST_SIDE;
         // Both reads are awaited together, because a subgroup has rays in both.
         var depth = 0.0;
         var word = 0u;
         if is_pixel {
-            depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + min(cell, last), 0);
+            depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
         } else {
             let before = select(select(ROWS_BEFORE_64, ROWS_BEFORE_16, side < LAST_SIDE), 0u, side == FIRST_SIDE);
             word = textureLoad(hi_z_texture, cell + vec2(0, i32(before * rows)), 0).r;
         }
-        let ends = cell_ends(walk, place, side);
+        let ends = cell_ends(walk, ray, place, side);
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         let next_z = ray.start.z + ray.step.z * next;
         // A ray in front passes behind a single pixel only after a test of the surface's thickness.
@@ -55,7 +82,6 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
             let tolerance = select(0.0, edge_step(depth, 1.0), u == first);
             if (was_in_front || z > depth - tolerance) && !is_in_front {
                 let middle = 0.5 * (u + next);
-                let pixel = pixel_on(ray, middle);
                 // A ray that enters in front of the surface and leaves behind it crosses it, however far behind. The tolerance
                 // covers steps between pixels of one surface. Other rays come from beside the surface: its thickness decides.
                 let crosses = z > depth - edge_step(depth, 1.0);
@@ -73,14 +99,26 @@ fn march(ray: Ray, direction: vec3<f32>, steps: u32, state: ptr<function, MarchS
             z = next_z;
             was_in_front = is_in_front;
             // Goes to larger cells only where one begins.
-            let rises = larger_begins(walk, cell, ends) && side < LAST_SIDE;
+            let rises = larger_begins(walk, place, ends) && side < LAST_SIDE;
             side *= select(1.0, STEP_OF_SIDES, rises);
             inverse_side *= select(1.0, 1.0 / STEP_OF_SIDES, rises);
+            if bends && u >= ray.end {
+                let position = view_position(ray.start.xy, ray.start.z) + direction * metres;
+                ray = ray_on_screen(ray.start + ray.step * ray.end, position, scattered);
+                direction = scattered;
+                walk = cell_walk(ray);
+                u = 0.0;
+                z = ray.start.z;
+                bends = false;
+                is_scattered = true;
+            }
         } else {
             side *= 1.0 / STEP_OF_SIDES;
             inverse_side *= STEP_OF_SIDES;
         }
     }
+    ray.end = select(ray.end, end, !is_scattered);
+    *path = Path(ray, direction, is_scattered);
     *state = MarchState(u, was_in_front, 1.0);
     return hit;
 }

@@ -3,9 +3,10 @@
 // then the four directions along each axis weigh alike, and light moves smoothly from ray to ray. The radius is smaller where the lobe
 // is. On smooth surfaces, whose rays scatter only where the lobe is wider than two texels, the weights also follow the lobe's own shape.
 // Lobes with rays that change from frame to frame are the mean of four frames.
-#import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
+#import bevy_lean_deferred::gbuffer::layout::{light::unpack_halves, unpack_roughness}
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    CHANGES, filtered_output, lobes_output, to_viewer, unpack_begin, unpack_distance, unpack_weight, view, view_position,
+    CHANGES, filtered_output, lobes_output, surfaces_texture, to_viewer, unpack_begin, unpack_distance, view,
+    view_position,
 }
 #import bevy_lean_deferred::effects::reflections::lobes::{last_lobes, mean_lobe, with_lobe}
 #import bevy_lean_deferred::effects::reflections::receiver::lobe_width
@@ -22,6 +23,31 @@ const SMALLEST: f32 = 3.0;
 /// Least radius of a smooth surface's lobe, in texels.
 const LEAST_RADIUS: f32 = 0.25;
 const LARGEST: f32 = f32(RIM + 1);
+/// Texels in a row of the largest kernel.
+const ROW: i32 = 2 * RIM + 1;
+/// Radii of a smooth surface's lobe within which weights are above 1/400.
+const OF_NARROW: f32 = 4.36;
+
+/// Sum `i` over the hits of seven texels in a row, packed like a hit: of the distances to mirror images, and in the lower bits, how many
+/// there are, and `CHANGES` if a ray does.
+fn row_sum(i: u32) -> u32 {
+    var texel = i / u32(MADE) * u32(CACHE_SIDE) + i % u32(MADE);
+    var sum = 0.0;
+    var bits = 0u;
+    var count = 0u;
+    for (var x = 0; x <= 2 * RIM; x++) {
+        let hit = hits[texel];
+        bits |= hit;
+        let image = unpack_distance(hit);
+        sum += image;
+        count += select(0u, 2u, image > 0.0);
+        texel++;
+    }
+    return (bitcast<u32>(sum) & 0xffffff00u) | count | (bits & CHANGES);
+}
+
+/// Rows of seven texels in a workgroup.
+const ROWS: u32 = u32(MADE * CACHE_SIDE);
 
 /// Rays around a texel.
 struct Around {
@@ -31,23 +57,18 @@ struct Around {
     changes: u32,
 }
 
-fn around_of(texel: i32) -> Around {
+/// Rays around texel `i` of those that the workgroup makes. `hits` has the sums of rows.
+fn around_of(i: u32) -> Around {
     var sum = 0.0;
     var bits = 0u;
-    var count = 0.0;
-    var other = texel - RIM * (1 + CACHE_SIDE);
-    for (var y = -RIM; y <= RIM; y++) {
-        for (var x = -RIM; x <= RIM; x++) {
-            let hit = hits[other];
-            bits |= hit;
-            let image = unpack_distance(hit);
-            sum += image;
-            count += select(0.0, 1.0, image > 0.0);
-            other++;
-        }
-        other += CACHE_SIDE - 2 * RIM - 1;
+    var count = 0u;
+    for (var y = 0u; y <= 2u * u32(RIM); y++) {
+        let row = hits[i + y * u32(MADE)];
+        bits |= row;
+        sum += unpack_distance(row);
+        count += (row >> 1u) & 7u;
     }
-    return Around(sum / max(count, 1.0), bits & CHANGES);
+    return Around(sum / f32(max(count, 1u)), bits & CHANGES);
 }
 
 /// 1 / the squared radius, in texels, of the lobe whose product with the linear weights is as wide at half maximum as a lobe of this
@@ -58,9 +79,9 @@ fn inverse_square(radius: f32) -> f32 {
 }
 
 /// Quadratic form of an offset in texels: the squared slope of the microfacet that reflects from there, relative to the roughness.
-fn slopes_of(surface: vec4<f32>, position: vec3<f32>, radius: f32) -> mat2x2<f32> {
+/// Factors of x², 2·x·y and y².
+fn slopes_of(normal: vec3<f32>, position: vec3<f32>, radius: f32) -> vec3<f32> {
     let V = to_viewer(position);
-    let normal = rotated(surface.xyz);
     let cosine = saturate(dot(V, normal));
     let away = normal - cosine * V;
     var axis = (away.xy * V.z - V.xy * away.z) * sign(view.pixels_per_metre);
@@ -68,51 +89,65 @@ fn slopes_of(surface: vec4<f32>, position: vec3<f32>, radius: f32) -> mat2x2<f32
     // The lobe is narrower across the plane of incidence.
     let across = inverse_square(radius * cosine);
     let more = (inverse_square(radius) - across) * axis;
-    return mat2x2(more * axis.x + vec2(across, 0.0), more * axis.y + vec2(0.0, across));
+    return vec3(more.x * axis.x + across, more.x * axis.y, more.y * axis.y + across);
 }
 
 /// Light times confidence, and confidence, of the rays around a texel, whose surface is at `position`.
-fn lobe_at(texel: i32, image: f32, position: vec3<f32>) -> vec4<f32> {
+fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<f32> {
     if image == 0.0 {
         return vec4(0.0);
     }
     let depth = depths[texel];
-    let surface = unpack_halves(normals[texel]);
+    let normal = unpack_halves(normals[texel]).xyz;
 #ifdef PROJECTION_ORTHOGRAPHIC
     let width = lobe_width(image, 1.0);
 #else
     let width = lobe_width(max(image - length(position), 0.0), image);
 #endif
-    let radius = surface.w * surface.w * width / f32(view.divisor);
+    let radius = roughness * roughness * width / f32(view.divisor);
     var reach = LARGEST;
-    var slopes = mat2x2(0.0, 0.0, 0.0, 0.0);
-    if surface.w > ROUGH {
+    var last = RIM;
+    var slopes = vec3(0.0);
+    if roughness > ROUGH {
         reach = clamp(OF_LOBE * radius, SMALLEST, LARGEST);
+        last = i32(ceil(reach)) - 1;
     } else {
-        slopes = slopes_of(surface, position, radius);
+        last = i32(clamp(OF_NARROW * inverseSqrt(inverse_square(radius)), 1.0, f32(RIM)));
+        slopes = slopes_of(rotated(normal), position, radius);
     }
-    let last = i32(ceil(reach)) - 1;
+    // Wide lobes are made by the linear weights alone.
+    let is_narrow = any(slopes != vec3(0.0));
     let slope = slope_at(texel);
     let inverse_step = inverse_step_at(depth);
     var sum = vec4(0.0);
     var weights = 0.0;
     // Incremented, because integer products are slow.
-    var other = texel - last * (1 + CACHE_SIDE);
+    var middle = texel - last * CACHE_SIDE;
     for (var y = -last; y <= last; y++) {
-        let expected_in_row = depth + slope.y * f32(y);
-        let share_of_row = reach - abs(f32(y));
-        for (var x = -last; x <= last; x++) {
-            let expected = expected_in_row + slope.x * f32(x);
-            let offset = vec2(f32(x), f32(y));
-            // GGX.
-            let spread = 1.0 + dot(offset, slopes * offset);
-            let share = share_of_row * (reach - abs(f32(x))) / (spread * spread);
-            let weight = share * likeness(surface.xyz, expected, other, inverse_step) * unpack_weight(hits[other]);
-            sum += weight * unpack_halves(lights[other]);
-            weights += weight;
-            other++;
+        let down = f32(y);
+        let share_of_row = reach - abs(down);
+        // Of the whole row: the loops are unrolled then.
+        var row: array<f32, ROW>;
+        for (var x = -RIM; x <= RIM; x++) {
+            let along = f32(x);
+            let share = share_of_row * max(reach - abs(along), 0.0);
+            let expected = depth + slope.y * down + slope.x * along;
+            row[x + RIM] = share * likeness(normal, expected, middle + x, inverse_step);
         }
-        other += CACHE_SIDE - 2 * last - 1;
+        if is_narrow {
+            for (var x = -RIM; x <= RIM; x++) {
+                let along = f32(x);
+                // GGX.
+                let spread = slopes.z * down * down + 1.0 + (slopes.y * 2.0 * down + slopes.x * along) * along;
+                row[x + RIM] *= 1.0 / (spread * spread);
+            }
+        }
+        for (var x = -RIM; x <= RIM; x++) {
+            let weight = row[x + RIM];
+            sum += weight * unpack_halves(lights[middle + x]);
+            weights += weight * unpack2x16float(normals[middle + x].y).y;
+        }
+        middle += CACHE_SIDE;
     }
     return sum / max(weights, 1e-6);
 }
@@ -131,6 +166,14 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     if !is_any(counts, invocation) {
         return;
     }
+    // In place of the hits, which nothing else reads.
+    let sums = vec2(row_sum(invocation), row_sum(min(invocation + u32(INVOCATIONS), ROWS - 1u)));
+    workgroupBarrier();
+    hits[invocation] = sums.x;
+    if invocation + u32(INVOCATIONS) < ROWS {
+        hits[invocation + u32(INVOCATIONS)] = sums.y;
+    }
+    workgroupBarrier();
     let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
     let made = place.x + CACHE_SIDE * place.y + FIRST_MADE;
     let depth = depths[made];
@@ -138,11 +181,16 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     if depth > 0.0 {
         let texel = corner + place;
         let pixel = unpack_begin(texel, bitcast<u32>(depth));
-        let around = around_of(made);
-        var lobe = lobe_at(made, around.image, view_position(vec2<f32>(pixel) + 0.5, depth));
+        let around = around_of(invocation);
+        let roughness = unpack_roughness(textureLoad(surfaces_texture, texel, 0).r);
+        // Requested before the rays are averaged, and awaited after.
+        var last = vec4(0u);
+        if around.changes != 0u {
+            last = last_lobes(texel, pixel, depth);
+        }
+        var lobe = lobe_at(made, roughness, around.image, view_position(vec2<f32>(pixel) + 0.5, depth));
         var lobes = vec4(0u);
         if around.changes != 0u {
-            let last = last_lobes(texel, pixel, depth);
             lobes = with_lobe(last, lobe);
             lobe = mean_lobe(last, lobes);
         }

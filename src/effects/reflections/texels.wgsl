@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::gbuffer::layout::{light::{pack_halves, unpack_halves}, unpack_normal, unpack_roughness}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    edge_step, hits_texture, rays_texture, surfaces_texture, view,
+    edge_step, hits_texture, rays_texture, surfaces_texture, unpack_weight, view,
 }
 
 /// Side in texels of the lobes, and in pixels of the light, that a workgroup makes.
@@ -31,9 +31,10 @@ const CACHE_SIDE: i32 = MADE + 2 * RIM;
 /// Index of the first texel inside the border.
 const FIRST_MADE: i32 = RIM * (1 + CACHE_SIDE);
 
-/// Light times confidence, and confidence, in half floats: less memory lets more workgroups run at once.
+/// Light times confidence, and confidence (SPATIAL_FILTER: both times the ray's weight), in half floats: less memory lets more
+/// workgroups run at once.
 var<workgroup> lights: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
-/// Normals and roughnesses in half floats, and depths, as packed by `pack_begin`; 0 without a ray.
+/// Normals and roughnesses (SPATIAL_FILTER: weights of rays) in half floats, and depths, as packed by `pack_begin`; 0 without a ray.
 var<workgroup> normals: array<vec2<u32>, CACHE_SIDE * CACHE_SIDE>;
 var<workgroup> depths: array<f32, CACHE_SIDE * CACHE_SIDE>;
 /// Packed by `pack_hit`; 0 without a ray.
@@ -67,11 +68,16 @@ fn texel_at(corner: vec2<i32>, read: i32) -> Texel {
 /// undefined.
 fn keep(read: i32, known: Texel) -> bool {
     let counts = all(known.place == nearest_inside(known.place)) && known.surface.y != 0u;
-    let light = vec4(known.light.rgb * known.light.a, known.light.a);
+    var light = vec4(known.light.rgb * known.light.a, known.light.a);
+#ifdef SPATIAL_FILTER
+    let fourth = unpack_weight(known.hit);
+    light *= fourth;
+#else
+    let fourth = unpack_roughness(known.surface.x);
+#endif
     lights[read] = select(vec2(0u), pack_halves(light), counts);
     hits[read] = select(0u, known.hit, counts);
-    let normal = vec4(unpack_normal(known.surface.x), unpack_roughness(known.surface.x));
-    normals[read] = select(vec2(0u), pack_halves(normal), counts);
+    normals[read] = select(vec2(0u), pack_halves(vec4(unpack_normal(known.surface.x), fourth)), counts);
     depths[read] = select(0.0, bitcast<f32>(known.surface.y), counts);
     return counts;
 }

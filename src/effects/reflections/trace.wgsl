@@ -12,11 +12,11 @@
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, hit_at, ray_on_screen}
 #import bevy_lean_deferred::effects::reflections::rough_march
-#import bevy_lean_deferred::effects::reflections::smooth_march
+#import bevy_lean_deferred::effects::reflections::smooth_march::{Path, march as march_smooth}
 #import bevy_lean_deferred::effects::reflections::surface::{
     Mirror, ROUGH, mirror_of, normal_word_at, rotated, smoothness, with_roughness,
 }
-#import bevy_lean_deferred::screen_ray::{Ray, at_metres, metres_at, rim_fade}
+#import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -31,10 +31,17 @@ const OWN_PIXEL: f32 = 0.5;
 /// Radius in texels of a smooth surface's lobe up to which its rays take the mirror's direction.
 const TOGETHER: f32 = 2.0;
 
+/// Mirror from which a texel's ray starts.
+struct Begin {
+    /// In pixels, and depth; 0 without a ray.
+    start: vec3<f32>,
+    mirror: Mirror,
+    /// Normal word, and `start` as packed by `pack_begin`; 0 without a ray.
+    surface: vec2<u32>,
+}
+
 /// Result of a ray.
 struct TraceResult {
-    /// Normal word and depth of the mirror; 0 without a ray.
-    surface: vec2<u32>,
     /// Light and confidence.
     light: vec4<f32>,
     /// Packed by `pack_hit`.
@@ -52,45 +59,46 @@ fn reflects(depth: f32, mirror: Mirror) -> bool {
     return depth > 0.0 && smoothness(mirror.roughness) > 0.0;
 }
 
-/// Metres up to which the rays of a smooth surface at `position` take the mirror's direction.
-fn metres_together(alpha: f32, position: vec3<f32>) -> f32 {
+/// Metres up to which the rays of a smooth surface take the mirror's direction.
+fn metres_together(alpha: f32, to_mirror: f32) -> f32 {
     let wide = 2.0 * alpha * abs(view.pixels_per_metre.y);
     let most = TOGETHER * f32(view.divisor);
 #ifdef PROJECTION_ORTHOGRAPHIC
     return most / max(wide, 1e-9);
 #else
     // The lobe's radius on screen approaches `wide`.
-    return select(1e9, most * length(position) / (wide - most), wide > most);
+    return select(1e9, most * to_mirror / (wide - most), wide > most);
 #endif
 }
 
-fn trace_at(texel: vec2<i32>) -> TraceResult {
-    var result: TraceResult;
+/// The ray starts at the first of four pixels that reflects: a thin mirror may cover others only.
+fn begin_at(texel: vec2<i32>) -> Begin {
+    var begin: Begin;
     if view.exposure_ratio == 0.0 {
-        return result;
+        return begin;
     }
-    // The ray starts at the first of four pixels that reflects: a thin mirror may cover others only.
     let first = texel * view.divisor;
-    var pixel = first;
-    var depth = depth_in_view(pixel);
-    var word = normal_word_at(pixel);
-    var mirror = mirror_of(pixel, word);
-    var begins_at = 0;
-    for (var i = 1; i < 4 && view.divisor > 1 && !reflects(depth, mirror); i++) {
-        begins_at = i;
-        pixel = min(first + place_in_texel(i), vec2<i32>(view.viewport_size) - 1);
-        depth = depth_in_view(pixel);
-        word = normal_word_at(pixel);
-        mirror = mirror_of(pixel, word);
+    for (var i = 0; i < 4; i++) {
+        let pixel = min(first + place_in_texel(i), vec2<i32>(view.viewport_size) - 1);
+        let depth = depth_in_view(pixel);
+        let word = normal_word_at(pixel);
+        let mirror = mirror_of(pixel, word);
+        if reflects(depth, mirror) {
+            let surface = vec2(with_roughness(word, mirror.roughness), pack_begin(depth, i));
+            return Begin(vec3(vec2<f32>(pixel) + 0.5, depth), mirror, surface);
+        }
+        if view.divisor == 1 {
+            break;
+        }
     }
-    if !reflects(depth, mirror) {
-        return result;
-    }
-    let start = vec3(vec2<f32>(pixel) + 0.5, depth);
+    return begin;
+}
+
+fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
+    var result: TraceResult;
     let is_rough = mirror.roughness > ROUGH;
-    result.surface = vec2(with_roughness(word, mirror.roughness), pack_begin(depth, begins_at));
-    let turn = rotation_index(vec2<u32>(texel) & vec2(3u));
-    let position = view_position(start.xy, depth);
+    let position = view_position(start.xy, start.z);
+    let to_mirror = length(position);
     let V = to_viewer(position);
     let normal = rotated(mirror.normal);
     let basis = tangents(normal);
@@ -99,38 +107,19 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let alpha = mirror.roughness * mirror.roughness;
     let sample = sample_lobe(local, alpha, numbers_of(turn, shift_of(view.phase)));
     let scattered = basis * sample.direction.xy + normal * sample.direction.z;
-    // Metres from the mirror to where the ray scatters.
-    var begin = 0.0;
-    var direction = scattered;
-    var ray: Ray;
+    let direction = select(basis * -local.xy + normal * local.z, scattered, is_rough);
+    var path = Path(ray_on_screen(start, position, direction), direction, is_rough);
     var hit: RayHit;
     // Segments begin in the middle of the next pixel.
     var state = MarchState(select(OWN_PIXEL, 1.0, is_rough), is_rough, 0.0);
-    var is_scattered = is_rough;
-    if is_rough {
-        ray = ray_on_screen(start, position, direction);
-    } else {
-        direction = basis * -local.xy + normal * local.z;
-        ray = ray_on_screen(start, position, direction);
-        let end = ray.end;
-        let together = metres_together(alpha, position);
-        ray.end = min(end, at_metres(ray, together));
-        for (var part = 0u; part < 2u; part++) {
-            hit = smooth_march::march(ray, direction, view.smooth_steps, &state);
-            // Both parts in one loop: the march is long code.
-            let bends = !hit.is_hit && state.u >= ray.end && ray.end < end && !is_scattered;
-            if !bends {
-                break;
-            }
-            is_scattered = true;
-            begin = together;
-            let place = ray.start + ray.step * ray.end;
-            ray = ray_on_screen(place, position + direction * together, scattered);
-            direction = scattered;
-            state.u = 0.0;
-        }
-        ray.end = select(end, ray.end, is_scattered);
+    let together = metres_together(alpha, to_mirror);
+    if !is_rough {
+        hit = march_smooth(&path, scattered, together, view.smooth_steps, &state);
     }
+    let is_scattered = path.is_scattered;
+    // Metres from the mirror to where the ray scatters.
+    let begin = select(0.0, together, is_scattered && !is_rough);
+    let ray = path.ray;
     let weight = select(1.0, sample.weight, is_scattered);
     result.hit = pack_hit(0.0, weight, is_scattered);
     if weight == 0.0 {
@@ -142,7 +131,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
         // Differs from that of neighbouring rays.
         let phase = fract(f32(turn) * 0.618034);
         let growth = max(view.growth * alpha, LEAST_GROWTH);
-        hit = rough_march::march(ray, direction, growth, phase, view.rough_segments, !is_rough, &state);
+        hit = rough_march::march(ray, path.direction, growth, phase, view.rough_segments, !is_rough, &state);
     }
     if !hit.is_hit {
         return result;
@@ -165,7 +154,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
     let share = select(0.0, wide * wide / (f32(RAYS) * sample.density), is_scattered);
     let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(view.divisor));
     let level = 0.5 * log2(max(max(share, select(texel_wide * texel_wide, 1.0, is_rough)), 1.0));
-    let seen = mirrored_light(hit.place, hit_position, level, position, metres);
+    let seen = mirrored_light(hit.place, hit_position, level, to_mirror, metres);
     let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
         return result;
@@ -174,7 +163,7 @@ fn trace_at(texel: vec2<i32>) -> TraceResult {
 #ifdef PROJECTION_ORTHOGRAPHIC
     let image = metres;
 #else
-    let image = length(position) + metres;
+    let image = to_mirror + metres;
 #endif
     result.hit = pack_hit(max(image, 1e-6), weight, is_scattered);
     return result;
@@ -186,14 +175,18 @@ fn main(
     @builtin(local_invocation_index) invocation: u32,
 ) {
     let texel = pixel_in_view(workgroup.xy, invocation);
-    if all(texel < view.texture_size) {
-        let result = trace_at(vec2<i32>(texel));
-        textureStore(surfaces_output, texel, vec4(result.surface, 0u, 0u));
-        // Other texels are not read.
-        if result.surface.y == 0u && view.shows_hits == 0u {
-            return;
-        }
-        textureStore(rays_output, texel, result.light);
-        textureStore(hits_output, texel, vec4(result.hit));
+    if !all(texel < view.texture_size) {
+        return;
     }
+    let begin = begin_at(vec2<i32>(texel));
+    textureStore(surfaces_output, texel, vec4(begin.surface, 0u, 0u));
+    var result: TraceResult;
+    if begin.start.z > 0.0 {
+        result = trace(begin.start, begin.mirror, rotation_index(texel & vec2(3u)));
+    } else if view.shows_hits == 0u {
+        // Other textures are not read here.
+        return;
+    }
+    textureStore(rays_output, texel, result.light);
+    textureStore(hits_output, texel, vec4(result.hit));
 }

@@ -9,7 +9,8 @@
     LastRay, edge_step, kept_distance, kept_surface, last_distance, last_pixel,
 }
 #import bevy_lean_deferred::screen_ray::{
-    FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, cell_ends, cell_walk, larger_begins, metres_at, ray_towards,
+    FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, cell_ends, cell_place, cell_walk, larger_begins, metres_at,
+    ray_towards,
 }
 
 /// Length of a ray in its own pixel.
@@ -70,9 +71,9 @@ fn march(ray: Ray, last: LastRay) -> ForwardHit {
     var hit: ForwardHit;
     for (var i = 0u; i < reflections.steps && u < ray.end; i++) {
         let inverse_side = 1.0 / side;
-        let place = floor((walk.start + ray.step.xy * u) * inverse_side);
+        let place = cell_place(walk, ray, u, inverse_side);
         let cell = vec2<i32>(place);
-        let ends = cell_ends(walk, place, side);
+        let ends = cell_ends(walk, ray, place, side);
         let next = min(max(min(ends.x, ends.y), u + INTO), ray.end);
         var passes = true;
         if side < FIRST_SIDE {
@@ -106,7 +107,7 @@ fn march(ray: Ray, last: LastRay) -> ForwardHit {
         if passes {
             u = next;
             // Goes to larger cells only where one begins.
-            side *= select(1.0, STEP_OF_SIDES, larger_begins(walk, cell, ends) && side < LAST_SIDE);
+            side *= select(1.0, STEP_OF_SIDES, larger_begins(walk, place, ends) && side < LAST_SIDE);
         } else {
             side *= 1.0 / STEP_OF_SIDES;
         }
