@@ -80,8 +80,8 @@ impl PipelineSelection<'_> {
     /// Returns the first candidate with compiled pipelines, and sets those of `lighting` to them. If there is none, returns
     /// the first one with stand-ins for its pipelines.
     ///
-    /// Where Bevy compiles within the frame, requested pipelines are compiled when this returns: otherwise forward would draw the view
-    /// in this frame, by pipelines that have to be compiled too.
+    /// If Bevy compiles within the frame, requested pipelines are compiled when this returns: otherwise forward would draw the view in
+    /// this frame, by pipelines that have to be compiled too.
     pub(super) fn best(
         &mut self,
         candidates: impl Iterator<Item = (ActiveLeanView, LightingKey)> + Clone,
@@ -159,8 +159,8 @@ impl PipelineSelection<'_> {
         }
     }
 
-    /// Queues the pipelines that fit `key`, and returns them unless some are withheld, or others light the view. Then they are queued
-    /// one at a time: a frame for which Bevy waits for a pipeline of its own, as with the first camera drawn over another one, waits for
+    /// Queues the pipelines that fit `key`, and returns them unless some are withheld, or others light the view: then they are queued
+    /// one at a time. A frame for which Bevy waits for a pipeline of its own, as with the first camera drawn over another one, waits for
     /// those queued before.
     fn request_fitting(
         &mut self,

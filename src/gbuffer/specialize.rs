@@ -216,7 +216,7 @@ impl GBufferPipelines<'_, '_> {
         };
         match (self.specialized).specialize(&self.cache, &specializer, key, layout) {
             Ok(id) => {
-                // Where Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
+                // If Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
                 // by a pipeline that has to be compiled too.
                 if is_new {
                     self.cache.process_queue();
