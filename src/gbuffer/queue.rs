@@ -273,7 +273,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         let mesh = match lookup.find(entity, self.recent_kinds) {
             Ok(mesh) => mesh,
             Err(may_come) => {
-                self.filter.add(entities);
+                self.filter.leave(entities, true, false);
                 if may_come {
                     self.pending.insert(entities);
                 }
@@ -382,12 +382,8 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             self.left.left.push(entity);
         }
         let is_strange = self.is_strange_to_bevy(mesh);
-        if !is_strange {
-            self.filter.add(entities);
-        }
-        if is_strange || owner == QueueOwner::Either {
-            self.filter.force(entities);
-        }
+        let is_forced = is_strange || owner == QueueOwner::Either;
+        self.filter.leave(entities, !is_strange, is_forced);
     }
 
     /// Keeps the mesh in Bevy's prepass if the G-buffer does not write everything that the prepass writes.

@@ -265,12 +265,20 @@ fn pipeline_key(
     shaders: &MaterialShaders,
     output: MeshOutput,
 ) -> GBufferPipelineKey {
-    let key = ErasedMaterialPipelineKey {
+    let key = material_pipeline_key(mesh, mesh_key);
+    (key, shaders.fragment.id(), output)
+}
+
+/// Bevy's key of a pipeline for meshes of this material.
+pub(super) fn material_pipeline_key(
+    mesh: &MeshKind,
+    mesh_key: MeshPipelineKey,
+) -> ErasedMaterialPipelineKey {
+    ErasedMaterialPipelineKey {
         type_id: mesh.material_id.type_id(),
         mesh_key: ErasedMeshPipelineKey::new(mesh_key),
         material_key: mesh.material.properties.material_key.clone(),
-    };
-    (key, shaders.fragment.id(), output)
+    }
 }
 
 /// Key bits of instances that have a previous skin or morph. Only pipelines that write motion have them.

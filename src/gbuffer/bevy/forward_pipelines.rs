@@ -9,10 +9,7 @@ use alloc::sync::Arc;
 use bevy::{
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
     ecs::system::SystemState,
-    material::{
-        MaterialProperties,
-        key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
-    },
+    material::{MaterialProperties, key::ErasedMaterialPipelineKey},
     mesh::MeshVertexBufferLayoutRef,
     pbr::{
         MeshPipelineKey, PendingMeshMaterialQueues, SpecializedMaterialPipelineCache,
@@ -34,7 +31,7 @@ use crate::{
     gbuffer::{
         lookup::{MeshLookup, MeshToQueue, RecentKinds},
         phase::GBufferPhases,
-        specialize::{PREVIOUS, instance_key},
+        specialize::{PREVIOUS, instance_key, material_pipeline_key},
     },
     gpu::named::system_param,
     view::LeanDeferred,
@@ -135,8 +132,7 @@ pub(in crate::gbuffer) struct ForwardPipeline {
     view: RetainedViewEntity,
     mesh: MainEntity,
     is_shown: bool,
-    mesh_key: MeshPipelineKey,
-    material: core::any::TypeId,
+    key: ErasedMaterialPipelineKey,
     layout: MeshVertexBufferLayoutRef,
     properties: Arc<MaterialProperties>,
 }
@@ -178,8 +174,10 @@ pub(in crate::gbuffer) fn specialize_left_meshes(
                         view,
                         mesh,
                         is_shown,
-                        mesh_key: forward_key(&lookup, mesh, &found, *view_key),
-                        material: found.material_id.type_id(),
+                        key: material_pipeline_key(
+                            &found,
+                            forward_key(&lookup, mesh, &found, *view_key),
+                        ),
                         layout: found.mesh.layout.clone(),
                         properties: found.material.properties.clone(),
                     }),
@@ -193,15 +191,10 @@ pub(in crate::gbuffer) fn specialize_left_meshes(
         }
     }
     for pipeline in missing.drain(..) {
-        let key = ErasedMaterialPipelineKey {
-            type_id: pipeline.material,
-            mesh_key: ErasedMeshPipelineKey::new(pipeline.mesh_key),
-            material_key: pipeline.properties.material_key.clone(),
-        };
         let Some(specialize) = pipeline.properties.base_specialize else {
             continue;
         };
-        match specialize(world, key, &pipeline.layout, &pipeline.properties) {
+        match specialize(world, pipeline.key, &pipeline.layout, &pipeline.properties) {
             Ok(id) => {
                 let mut pipelines = world.resource_mut::<SpecializedMaterialPipelineCache>();
                 let pipelines = pipelines.entry(pipeline.view).or_default();
@@ -216,7 +209,7 @@ pub(in crate::gbuffer) fn specialize_left_meshes(
     }
 }
 
-/// The key of Bevy's main-pass pipeline.
+/// Key bits of Bevy's main-pass pipeline of a mesh.
 fn forward_key(
     lookup: &MeshLookup,
     entity: MainEntity,

@@ -129,26 +129,31 @@ pub(in crate::gbuffer) struct PipelineFilterWriter<'a> {
 }
 
 impl PipelineFilterWriter<'_> {
-    /// Lets Bevy queue the mesh.
-    pub(in crate::gbuffer) fn add(&mut self, entities: (Entity, MainEntity)) {
-        let mesh = entities.1;
-        if let Some(pipeline) = self.find(entities, true) {
-            self.pipelines.main.insert(mesh, pipeline);
-        }
-        self.add_to_prepass(mesh);
-    }
-
-    /// The main-pass pipeline of the mesh. Notes that it is missing if there is none.
-    fn find(
+    /// Leaves the mesh to Bevy, which sees it if it `is_shown`. If it `is_forced`, it is added to Bevy's phases although Bevy does not
+    /// queue it.
+    pub(in crate::gbuffer) fn leave(
         &mut self,
         entities: (Entity, MainEntity),
         is_shown: bool,
-    ) -> Option<CachedRenderPipelineId> {
-        let pipeline = self.main.and_then(|pipelines| pipelines.get(&entities.1));
-        if pipeline.is_none() {
-            (self.pipelines.missing).push(MissingPipeline { entities, is_shown });
+        is_forced: bool,
+    ) {
+        let mesh = entities.1;
+        match self.main.and_then(|pipelines| pipelines.get(&mesh)) {
+            Some(&pipeline) if is_shown => {
+                self.pipelines.main.insert(mesh, pipeline);
+            }
+            Some(_) => {}
+            None => (self.pipelines.missing).push(MissingPipeline { entities, is_shown }),
         }
-        pipeline.copied()
+        if is_shown {
+            self.add_to_prepass(mesh);
+        }
+        if is_forced {
+            self.pipelines.forced.push(Forced {
+                mesh,
+                into_main: true,
+            });
+        }
     }
 
     /// Lets Bevy queue the mesh for its prepass alone.
@@ -156,15 +161,6 @@ impl PipelineFilterWriter<'_> {
         if let Some(&pipeline) = self.prepass.and_then(|pipelines| pipelines.get(&mesh)) {
             self.pipelines.prepass.insert(mesh, pipeline);
         }
-    }
-
-    /// Adds the mesh to Bevy's phases although Bevy does not queue it.
-    pub(in crate::gbuffer) fn force(&mut self, entities: (Entity, MainEntity)) {
-        self.find(entities, false);
-        self.pipelines.forced.push(Forced {
-            mesh: entities.1,
-            into_main: true,
-        });
     }
 
     /// Adds the mesh to Bevy's prepass although Bevy does not queue it.
