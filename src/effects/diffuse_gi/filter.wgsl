@@ -65,12 +65,19 @@ fn weight_on(plane: Plane, depth: f32, offset: vec2<f32>) -> f32 {
     return saturate(2.0 - abs(depth - expected) * plane.inverse_step);
 }
 
-/// Stores the means of the block whose second texel along both axes is `center`.
-fn find_block(block: u32, center: u32) {
-    var sum = vec4(0.0);
-    var sum_of_squares = 0.0;
-    var weights = 1e-6;
-    let plane = plane_at(center);
+/// Weighted sums over texels or blocks.
+struct Sums {
+    light: vec4<f32>,
+    /// Of `total`.
+    squares: f32,
+    weights: f32,
+}
+
+const EMPTY: Sums = Sums(vec4(0.0), 0.0, 1e-6);
+
+/// Sums over the texels of the block whose second texel along both axes is `center`, on this plane.
+fn block_sums(plane: Plane, center: u32) -> Sums {
+    var sums = EMPTY;
     if plane.depth > 0.0 {
         for (var y = 0u; y < BLOCK; y++) {
             for (var x = 0u; x < BLOCK; x++) {
@@ -78,36 +85,13 @@ fn find_block(block: u32, center: u32) {
                 let weight = weight_on(plane, depths[other], vec2(f32(x), f32(y)) - 1.0);
                 let gathered = unpack_halves(light[other]);
                 let brightness = total(gathered.rgb);
-                sum += gathered * weight;
-                sum_of_squares += brightness * brightness * weight;
-                weights += weight;
+                sums.light += gathered * weight;
+                sums.squares += brightness * brightness * weight;
+                sums.weights += weight;
             }
         }
     }
-    block_light[block] = sum / weights;
-    block_depths[block] = vec2(plane.depth, sum_of_squares / weights);
-}
-
-/// Mean of the block whose second texel along both axes is `center`.
-fn narrow_mean(plane: Plane, center: u32) -> vec4<f32> {
-    var sum = vec4(0.0);
-    var weights = 1e-6;
-    for (var y = 0u; y < BLOCK; y++) {
-        for (var x = 0u; x < BLOCK; x++) {
-            let other = center + x + CACHE_SIDE * y - 1u - CACHE_SIDE;
-            let weight = weight_on(plane, depths[other], vec2(f32(x), f32(y)) - 1.0);
-            sum += unpack_halves(light[other]) * weight;
-            weights += weight;
-        }
-    }
-    return sum / weights;
-}
-
-/// Sums over blocks.
-struct Sums {
-    light: vec4<f32>,
-    squares: f32,
-    weights: f32,
+    return sums;
 }
 
 /// Weights of three blocks in a row for a texel of the middle one, `inner` texels after its first: continuous across blocks, so that
@@ -164,16 +148,18 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     workgroupBarrier();
 
     if i < BLOCK_COUNT {
-        let block = place_of_block(i);
-        find_block(i, (block.x + 1u) + CACHE_SIDE * (block.y + 1u));
+        let block = place_of_block(i) + 1u;
+        let middle = block.x + CACHE_SIDE * block.y;
+        let on_block = plane_at(middle);
+        let sums = block_sums(on_block, middle);
+        block_light[i] = sums.light / sums.weights;
+        block_depths[i] = vec2(on_block.depth, sums.squares / sums.weights);
     }
     let place = vec2(i % SIDE, i / SIDE);
     let center = (place.x + MARGIN) + CACHE_SIDE * (place.y + MARGIN);
     let plane = plane_at(center);
-    var narrow = vec4(0.0);
-    if plane.depth > 0.0 {
-        narrow = narrow_mean(plane, center);
-    }
+    let own = block_sums(plane, center);
+    let narrow = own.light / own.weights;
     workgroupBarrier();
 
     let texel = workgroup.xy * SIDE + place;
@@ -182,7 +168,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     var found = vec4(0.0);
     if plane.depth > 0.0 {
-        var sums = Sums(vec4(0.0), 0.0, 1e-6);
+        var sums = EMPTY;
         add_blocks(&sums, plane, place, 0u, FIRST_SIDE);
         add_blocks(&sums, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
         let wide = sums.light / sums.weights;
