@@ -23,13 +23,8 @@ struct SliceNormal {
     sine: f32,
 }
 
-/// Projects `normal` into the plane of the unit axes `to_viewer` and `tangent`.
-fn slice_normal(normal: vec3<f32>, to_viewer: vec3<f32>, tangent: vec3<f32>) -> SliceNormal {
-    return slice_normal_of(vec2(dot(normal, to_viewer), dot(normal, tangent)));
-}
-
-/// `slice_normal` of a normal with these projections on `to_viewer` and `tangent`.
-fn slice_normal_of(projected: vec2<f32>) -> SliceNormal {
+/// Projects a normal into a slice. `projected`: its components along the slice's unit axes, to the viewer and along the tangent.
+fn slice_normal(projected: vec2<f32>) -> SliceNormal {
     let squared = dot(projected, projected);
     if !(squared > 1e-12) {
         return SliceNormal(0.0, 1.0, 0.0);

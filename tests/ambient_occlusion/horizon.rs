@@ -22,11 +22,10 @@ fn kernel(bits: array<u32, 1>) -> array<u32, 1> {
 const SLICE_NORMAL: &str = "
 #import bevy_lean_deferred::horizon::slice_normal
 fn kernel(bits: array<u32, 9>) -> array<u32, 3> {
-    let s = slice_normal(
-        bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2])),
-        bitcast<vec3<f32>>(vec3(bits[3], bits[4], bits[5])),
-        bitcast<vec3<f32>>(vec3(bits[6], bits[7], bits[8])),
-    );
+    let normal = bitcast<vec3<f32>>(vec3(bits[0], bits[1], bits[2]));
+    let to_viewer = bitcast<vec3<f32>>(vec3(bits[3], bits[4], bits[5]));
+    let tangent = bitcast<vec3<f32>>(vec3(bits[6], bits[7], bits[8]));
+    let s = slice_normal(vec2(dot(normal, to_viewer), dot(normal, tangent)));
     return array(bitcast<u32>(s.length), bitcast<u32>(s.cosine), bitcast<u32>(s.sine));
 }";
 

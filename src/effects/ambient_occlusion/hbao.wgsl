@@ -4,7 +4,7 @@
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::{
     depth_texture, direction_to_viewer, largest_side, radius_at, view,
 }
-#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal_of, tangents}
+#import bevy_lean_deferred::horizon::{side_occlusion, slice_normal, tangents}
 #import bevy_lean_deferred::reconstruction::normal_from_depth::{DepthsAround, geometric_normal}
 #import bevy_lean_deferred::reconstruction::position::{
     direction_on_screen, homogeneous_steps, position_on, ray_at, ray_slope, ray_step, w_at,
@@ -238,8 +238,8 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
     var occlusion = 0.0;
     for (var slice = 0u; slice < SLICES; slice++) {
         // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
-        let lobe = slice_normal_of(vec2(normal_to_viewer, dot(normal_on_tangents, rotation)));
-        let surface = slice_normal_of(vec2(geometric_to_viewer, dot(geometric_on_tangents, rotation)));
+        let lobe = slice_normal(vec2(normal_to_viewer, dot(normal_on_tangents, rotation)));
+        let surface = slice_normal(vec2(geometric_to_viewer, dot(geometric_on_tangents, rotation)));
         let on_screen = on_tangents * rotation;
         rotation = turned(rotation, view.slice_rotation);
         // Horizons of the surface itself.
