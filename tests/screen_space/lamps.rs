@@ -19,7 +19,7 @@ const LAG: usize = 8;
 
 #[test]
 fn a_lamp_has_the_shape_of_the_lobe() {
-    in_own_process(|| check_shapes([(0.3, 0.037, 1.7)], [8.0]));
+    in_own_process(|| check_shapes([(0.3, 0.036, 1.7)], [8.0]));
 }
 
 #[test]
@@ -29,8 +29,8 @@ fn further_lamps_have_the_shape_of_the_lobe() {
         let floors = [
             (0.1, 0.012, 4.6),
             (0.2, 0.012, 2.2),
-            (0.3, 0.037, 1.7),
-            (0.5, 0.105, 1.7),
+            (0.3, 0.036, 1.7),
+            (0.5, 0.102, 1.7),
         ];
         check_shapes(floors, [8.0, 200.0]);
     });

@@ -86,10 +86,10 @@ fn a_rough_floor_shows_the_lobe_of_a_bulb() {
 fn further_rough_floors_show_the_lobe_of_a_bulb() {
     in_own_process(|| {
         show_lobe_of_a_bulb([
-            (0.15, 0.084),
-            (0.2, 0.058),
+            (0.15, 0.045),
+            (0.2, 0.035),
             (0.25, 0.076),
-            (0.3, 0.053),
+            (0.3, 0.055),
             (0.4, 0.042),
         ]);
     });

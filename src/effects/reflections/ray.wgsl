@@ -84,7 +84,8 @@ fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     // A ray that does not cross the plane here is behind it, by its thickness at most.
     let at = ray.start + ray.step * u;
     let inside = max(depth + dot(slope, at.xy - center) - at.z, 0.0) / max(depth - behind(depth), 1e-30);
-    let is_certain = abs(exact - u) < max(span, 1.0);
+    // Rays that march pixel by pixel cross it within one, others within a segment beside it.
+    let is_certain = abs(exact - u) < select(1.0, 1.0 + span, span > 1.0);
     // Falls steeply near 1: curved surfaces, too, are crossed outside of their planes.
     let squared = inside * inside;
     hit.certainty = select(min(certainty, saturate(1.0 - squared * squared)), 1.0, is_certain);
