@@ -8,7 +8,9 @@
     CHANGES, filtered_output, lobes_output, surfaces_texture, to_viewer, unpack_begin, unpack_distance, view,
     view_position,
 }
-#import bevy_lean_deferred::effects::reflections::lobes::{last_lobes, mean_lobe, with_lobe}
+#import bevy_lean_deferred::effects::reflections::lobes::{
+    EXACT, exposed, last_lobe_place, lobes_at, mean_lobe, mean_lobes, with_lobe,
+}
 #import bevy_lean_deferred::effects::reflections::receiver::lobe_width
 #import bevy_lean_deferred::effects::reflections::surface::{ROUGH, rotated}
 #import bevy_lean_deferred::effects::reflections::texels::{
@@ -152,6 +154,42 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<
     return sum / max(weights, 1e-6);
 }
 
+/// The lobes of the last frames of the surface of texel `made`, whose ray begins at `pixel`.
+fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, image: f32) -> vec4<u32> {
+    let depth = depths[made];
+    let slope = slope_at(made);
+    let place = last_lobe_place(texel, pixel, depth, slope / f32(view.divisor), roughness, image);
+    if !place.is_known {
+        return vec4(0u);
+    }
+    let nearest = floor(place.at + 0.5);
+    let off = place.at - nearest;
+    if all(abs(off) < vec2(EXACT)) {
+        return exposed(lobes_at(nearest));
+    }
+    // Interpolated, so that no seams appear where the nearest texel changes. This frame's neighbours stand for those of the last one.
+    let side = sign(off);
+    let along = i32(side.x);
+    let down = CACHE_SIDE * i32(side.y);
+    let normal = unpack_halves(normals[made]).xyz;
+    let inverse_step = inverse_step_at(depth);
+    let alike = vec4(
+        1.0,
+        likeness(normal, depth + slope.x * side.x, made + along, inverse_step),
+        likeness(normal, depth + slope.y * side.y, made + down, inverse_step),
+        likeness(normal, depth + dot(slope, side), made + along + down, inverse_step),
+    );
+    let kept = array<vec4<u32>, 4>(
+        lobes_at(nearest),
+        lobes_at(nearest + vec2(side.x, 0.0)),
+        lobes_at(nearest + vec2(0.0, side.y)),
+        lobes_at(nearest + side),
+    );
+    let far = abs(off);
+    let near = 1.0 - far;
+    return exposed(mean_lobes(kept, vec4(near.x, far.x, near.x, far.x) * vec4(near.yy, far.yy) * alike));
+}
+
 @compute @workgroup_size(INVOCATIONS, 1, 1)
 fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_index) invocation: u32) {
     let i = i32(invocation);
@@ -185,8 +223,8 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let roughness = unpack_roughness(textureLoad(surfaces_texture, texel, 0).r);
         // Requested before the rays are averaged, and awaited after.
         var last = vec4(0u);
-        if around.changes != 0u {
-            last = last_lobes(texel, pixel, depth);
+        if around.changes != 0u && view.has_lobes != 0u && view.exposure_ratio != 0.0 {
+            last = last_lobes(made, texel, pixel, roughness, around.image);
         }
         var lobe = lobe_at(made, roughness, around.image, view_position(vec2<f32>(pixel) + 0.5, depth));
         var lobes = vec4(0u);
