@@ -1,5 +1,6 @@
-// Filters gathered light: the mean of 4×4 texels, whose slices cover all directions of the pattern, without texels of other
-// surfaces. Where few of the directions have most of the light, as beside a small lamp, a mean of the blocks of 4×4 around.
+// Filters gathered light: weighted means of blocks of 4×4 texels, whose slices cover all directions of the pattern, without texels of
+// other surfaces. The weights are continuous, so that no blocks are visible. Where few of the directions have most of the light, as
+// beside a small lamp, more blocks count. Where fewer blocks are on the surface, the mean of the 4×4 texels around.
 #import bevy_lean_deferred::gbuffer::layout::light::{LARGEST_HALF, pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
@@ -38,6 +39,9 @@ const SPARSE: f32 = 0.5;
 const SPARSEST: f32 = 1.5;
 /// Weight of the blocks on the surface, at most 1 per grid, from which on the wide mean counts in full.
 const ENOUGH: f32 = 0.5;
+/// Share of a texel's tolerance in depth that blocks have. They are up to eight texels away, where the other face of an edge is still
+/// within the whole of it.
+const OF_BLOCKS: f32 = 1.0 / 16.0;
 
 fn total(color: vec3<f32>) -> f32 {
     return color.r + color.g + color.b;
@@ -94,31 +98,52 @@ fn block_sums(plane: Plane, center: u32) -> Sums {
     return sums;
 }
 
-/// Weights of three blocks in a row for a texel of the middle one, `inner` texels after its first: continuous across blocks, so that
-/// neighbours are alike.
-fn block_weights(inner: f32) -> array<f32, 3> {
-    let part = (inner + 0.5) / f32(BLOCK);
+/// Means of blocks around a texel.
+struct Means {
+    /// Of the nearest 2×2 blocks of each grid.
+    near: Sums,
+    /// Of the nearest 3×3.
+    wide: Sums,
+}
+
+/// Weights of three blocks in a row for a texel at `part` of the middle one, 0 to 1: continuous across blocks, so that neighbours are
+/// alike.
+fn wide_weights(part: f32) -> array<f32, 3> {
     return array<f32, 3>(0.5 * (1.0 - part), 0.5, 0.5 * part);
 }
 
-/// Adds the 3×3 blocks of a grid around a texel, which is at `place` there. `first` and `side`: index of the grid's first block, and
+/// The same of the nearest two: linear between the middles of blocks.
+fn near_weights(part: f32) -> array<f32, 3> {
+    return array<f32, 3>(saturate(0.5 - part), 1.0 - abs(part - 0.5), saturate(part - 0.5));
+}
+
+/// Adds the blocks of a grid around a texel, which is at `place` there. `first` and `side`: index of the grid's first block, and
 /// blocks in a row.
-fn add_blocks(sums: ptr<function, Sums>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
+fn add_blocks(means: ptr<function, Means>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
     let corner = first + place.x / BLOCK + side * (place.y / BLOCK);
     let inner = vec2<f32>(place % BLOCK);
-    let of_x = block_weights(inner.x);
-    let of_y = block_weights(inner.y);
+    let part = (inner + 0.5) / f32(BLOCK);
+    let wide_x = wide_weights(part.x);
+    let wide_y = wide_weights(part.y);
+    let near_x = near_weights(part.x);
+    let near_y = near_weights(part.y);
     // The texel of the first of the blocks that has its depth: the second along both axes.
-    let at_corner = Plane(plane.depth - dot(plane.slope, inner + f32(BLOCK - 1u)), plane.slope, plane.inverse_step);
+    let at_corner = Plane(
+        plane.depth - dot(plane.slope, inner + f32(BLOCK - 1u)), plane.slope, plane.inverse_step / OF_BLOCKS,
+    );
     for (var y = 0u; y < 3u; y++) {
         for (var x = 0u; x < 3u; x++) {
             let block = corner + (x + side * y);
             let of_block = block_depths[block];
-            let offset = f32(BLOCK) * vec2(f32(x), f32(y));
-            let weight = of_x[x] * of_y[y] * weight_on(at_corner, of_block.x, offset);
-            (*sums).light += block_light[block] * weight;
-            (*sums).squares += of_block.y * weight;
-            (*sums).weights += weight;
+            let light = block_light[block];
+            let alike = weight_on(at_corner, of_block.x, f32(BLOCK) * vec2(f32(x), f32(y)));
+            let near = near_x[x] * near_y[y] * alike;
+            (*means).near.light += light * near;
+            (*means).near.weights += near;
+            let wide = wide_x[x] * wide_y[y] * alike;
+            (*means).wide.light += light * wide;
+            (*means).wide.squares += of_block.y * wide;
+            (*means).wide.weights += wide;
         }
     }
 }
@@ -158,8 +183,6 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     let place = vec2(i % SIDE, i / SIDE);
     let center = (place.x + MARGIN) + CACHE_SIDE * (place.y + MARGIN);
     let plane = plane_at(center);
-    let own = block_sums(plane, center);
-    let narrow = own.light / own.weights;
     workgroupBarrier();
 
     let texel = workgroup.xy * SIDE + place;
@@ -168,14 +191,21 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     var found = vec4(0.0);
     if plane.depth > 0.0 {
-        var sums = EMPTY;
-        add_blocks(&sums, plane, place, 0u, FIRST_SIDE);
-        add_blocks(&sums, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
-        let wide = sums.light / sums.weights;
+        var means = Means(EMPTY, EMPTY);
+        add_blocks(&means, plane, place, 0u, FIRST_SIDE);
+        add_blocks(&means, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
+        let wide = means.wide.light / means.wide.weights;
         let brightness = total(wide.rgb);
-        let variation = sums.squares / sums.weights / max(brightness * brightness, 1e-12) - 1.0;
-        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(sums.weights / ENOUGH);
-        found = mix(narrow, wide, share);
+        let variation = means.wide.squares / means.wide.weights / max(brightness * brightness, 1e-12) - 1.0;
+        // Beside edges, where blocks are on one side of the texel only, their mean is of light further away.
+        let near_share = saturate(means.near.weights - 1.0);
+        var narrower = means.near.light / means.near.weights;
+        if near_share < 1.0 {
+            let own = block_sums(plane, center);
+            narrower = mix(own.light / own.weights, narrower, near_share);
+        }
+        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(means.wide.weights / ENOUGH);
+        found = mix(narrower, wide, share);
     }
     // Clamp to the whole hemisphere.
     textureStore(output_texture, texel, found / max(found.a, 1.0));
