@@ -139,6 +139,7 @@ fn egui() -> Tried {
 fn firework() -> Tried {
     use bevy_firework::{
         core::{EmissionPacing, EmissionSettings, ParticleSettings, ParticleSpawner},
+        curve::FireworkGradient,
         emission_shape::EmissionShape,
         plugin::ParticleSystemPlugin,
     };
@@ -157,6 +158,7 @@ fn firework() -> Tried {
                     particle_settings: vec![ParticleSettings {
                         initial_scale: RandF32::constant(0.2),
                         acceleration: Vec3::ZERO,
+                        base_color: FireworkGradient::constant(LinearRgba::rgb(0.1, 0.02, 0.02)),
                         pbr: true,
                         ..default()
                     }],
