@@ -2,6 +2,7 @@
 
 pub mod ambient_occlusion;
 pub mod auto_exposure;
+pub mod compat;
 pub mod frame_times;
 pub mod isa;
 pub mod levels;
@@ -17,6 +18,7 @@ use crate::{json::read_json, plots::Plot, store::Store, table::Table, time::Devi
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use auto_exposure::AutoExposure;
+pub use compat::Compat;
 pub use frame_times::FrameTimes;
 pub use isa::Isa;
 pub use levels::Levels;
@@ -113,6 +115,7 @@ benches! {
     many_meshes ManyMeshes,
     stutter Stutter,
     isa Isa,
+    compat Compat,
 }
 
 /// The only one of the measurements that are `found`: a table of the docs relies on it.

@@ -34,6 +34,7 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("isa amd", compilers::amd),
     ("isa intel", compilers::intel),
     ("expected", compilers::expected),
+    ("crates", |store| store.compat("llvmpipe").table()),
 ];
 
 const HD: [u32; 2] = [1920, 1080];
