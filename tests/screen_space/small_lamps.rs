@@ -1,4 +1,4 @@
-//! Diffuse GI from lamps of a few pixels, which few directions of a texel meet.
+//! Evenness of diffuse GI: light of lamps of a few pixels, which few directions of a texel meet, and of a panel.
 
 use bevy::prelude::*;
 use bevy_lean_deferred::prelude::*;
@@ -11,7 +11,9 @@ use kit::{
 use super::scenes::{EYE, SIZE, gi, looking, show_next};
 
 const LAMP: Vec3 = Vec3::new(0.0, 0.35, 0.0);
-/// Wall behind the lamp.
+/// Middle of a glowing panel on the floor.
+const PANEL: Vec3 = Vec3::new(0.2, 0.0, -0.3);
+/// Wall behind both.
 const WALL: f32 = -0.8;
 /// Pixels to each side of a pixel over which the local mean is taken: three blocks of the pattern.
 const WINDOW: u32 = 12;
@@ -31,7 +33,7 @@ fn lamp(headless: &mut Headless, radius: f32, light: f32, quality: LeanQuality) 
     })
 }
 
-/// Differences between light and its mean within `WINDOW`, as shares of the mean.
+/// Differences between light and its local mean, as shares of the mean.
 #[derive(Debug)]
 struct Unevenness {
     rms: f32,
@@ -56,16 +58,22 @@ fn unevenness(
             ratios[index(pixel)] = Some(light * distance.powi(3) / normal.dot(LAMP - place));
         }
     }
+    unevenness_within(WINDOW, size, &ratios)
+}
+
+/// Of `values` of a picture of this size, against their means within `window` pixels to each side, where all of these are known.
+fn unevenness_within(window: u32, size: UVec2, values: &[Option<f32>]) -> Unevenness {
+    let at = |x: u32, y: u32| values[(y * size.x + x) as usize];
     let mut off = Vec::new();
-    for y in WINDOW..size.y - WINDOW {
-        for x in WINDOW..size.x - WINDOW {
-            let Some(own) = ratios[index(UVec2::new(x, y))] else {
+    for y in window..size.y - window {
+        for x in window..size.x - window {
+            let Some(own) = at(x, y) else {
                 continue;
             };
-            let rows = y - WINDOW..=y + WINDOW;
+            let rows = y - window..=y + window;
             let around: Option<Vec<f32>> = rows
-                .flat_map(|y| (x - WINDOW..=x + WINDOW).map(move |x| UVec2::new(x, y)))
-                .map(|pixel| ratios[index(pixel)])
+                .flat_map(|y| (x - window..=x + window).map(move |x| (x, y)))
+                .map(|(x, y)| at(x, y))
                 .collect();
             if let Some(around) = around {
                 let mean = around.iter().sum::<f32>() / around.len() as f32;
@@ -124,5 +132,35 @@ fn light_of_further_small_lamps_is_even() {
             (0.15, 8.0, LeanQuality::High, [0.055, 0.2]),
             (0.05, 8.0, LeanQuality::High, [0.25, 1.0]),
         ]);
+    });
+}
+
+/// Where light comes from a part of the hemisphere, the filter's texels do not show as a weave.
+#[test]
+fn light_of_a_panel_has_no_weave() {
+    in_own_process(|| {
+        let mut headless = Headless::new(SIZE);
+        for (quality, most) in [(LeanQuality::Medium, 0.007), (LeanQuality::High, 0.007)] {
+            let seen = show_next(&mut headless, 3, |s| {
+                let wall = Transform::from_xyz(0.0, 1.5, WALL);
+                s.mesh(Rectangle::new(6.0, 3.0), surface(0.5, 0.0), wall);
+                let panel = Plane3d::default().mesh().size(0.8, 0.5);
+                s.mesh(panel, surface(0.0, 4.0), Transform::from_translation(PANEL));
+                let effect = LeanScreenSpaceGi { quality, ..gi() };
+                camera(s, looking(EYE, 0.6), 0.0, effect);
+            });
+            seen.save(&format!("panel_{quality:?}"), 1.0);
+            let size = seen.light.size;
+            let mut values = vec![None; size.element_product() as usize];
+            for (pixel, place, light) in seen.on_plane(Vec3::Z * WALL, Vec3::Z) {
+                // Not where screen-space light ends.
+                if place.y > 0.1 && place.distance(PANEL) < 0.95 {
+                    values[(pixel.y * size.x + pixel.x) as usize] = Some(light);
+                }
+            }
+            let found = unevenness_within(3, size, &values);
+            println!("panel, {quality:?}: {found:.4?}");
+            assert!(found.rms < most, "{found:?}");
+        }
     });
 }
