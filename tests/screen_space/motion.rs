@@ -230,7 +230,7 @@ fn rough_mirror_images_follow_a_strafing_camera() {
             .map(|y| errors((0..size.x).map(|x| off(x, y + 1) - off(x, y))).0)
             .fold(0.0, f32::max);
         println!("lag {lag:.4}, largest seam {seam:.4} of the pillars' light");
-        assert!(lag < 0.014 && seam < 0.003);
+        assert!(lag < 0.014 && seam < 0.005);
     });
 }
 
