@@ -4,7 +4,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
 #import bevy_lean_deferred::effects::reflections::bindings::{history_texture, lobes_texture, view, view_position}
-#import bevy_lean_deferred::effects::reflections::surface::{SAME_SURFACE, LastPlace, last_place, step_at}
+#import bevy_lean_deferred::effects::reflections::surface::{LastPlace, carried_place, last_place}
 #import bevy_lean_deferred::effects::reprojection::weight_of_match
 
 /// Frames in which the rays of rough surfaces take all of their directions.
@@ -35,7 +35,7 @@ struct LobePlace {
     is_known: bool,
 }
 
-/// `offset` is that from a texel's coordinates to its ray's begin, in pixels.
+/// Place of the lobe whose ray begins at a place of the last frame. `offset`: from a texel's coordinates to its ray's begin, in pixels.
 fn lobe_place(place: LastPlace, offset: vec2<f32>) -> LobePlace {
     let is_inside = all(place.at >= vec2(0.0)) && all(place.at < view.last_viewport_size);
     let kept = textureLoad(history_texture, vec2<i32>(place.at), 0).a * view.metres_per_unit;
@@ -79,8 +79,7 @@ fn last_lobe_place(
         lobe = lobe_place(last_place(seen, position), offset);
     }
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
-        let at = seen.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
-        lobe = lobe_place(LastPlace(at, vec2(-position.z), step_at(-position.z, SAME_SURFACE)), offset);
+        lobe = lobe_place(carried_place(seen, position), offset);
     }
     return lobe;
 }

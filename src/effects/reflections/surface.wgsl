@@ -97,11 +97,22 @@ fn step_at(distance: f32, pixels: f32) -> f32 {
 #endif
 }
 
-/// Light that the last frame showed at `at`, in its pixels, on the surface whose distance was `at_rest`, `with_view`, or between the
-/// two. w: the weight, 0 to 1, with which it is that surface. `level` is that of the history.
-fn kept_light(at: vec2<f32>, at_rest: f32, with_view: f32, metres: f32, level: f32) -> vec4<f32> {
+/// Place of a surface in the last frame.
+struct LastPlace {
+    /// In pixels of that frame.
+    at: vec2<f32>,
+    /// Its distances, if it was at rest and if it moved with the camera.
+    expected: vec2<f32>,
+    /// Metres within which it is the same surface.
+    tolerance: f32,
+}
+
+/// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
+/// distances, or between the two. `level` is that of the history.
+fn kept_light(last: LastPlace, level: f32) -> vec4<f32> {
+    let at = last.at;
     // Half floats have eleven significant bits.
-    let tolerance = metres + 0.001 * max(abs(at_rest), abs(with_view));
+    let tolerance = last.tolerance + 0.001 * max(abs(last.expected.x), abs(last.expected.y));
     let is_inside = all(at >= vec2(0.0)) && all(at < view.last_viewport_size);
     // Distances of the four texels around, gathered at their common corner: near a texel's centre, rounding may select others.
     let first = floor(at - 0.5);
@@ -116,18 +127,19 @@ fn kept_light(at: vec2<f32>, at_rest: f32, with_view: f32, metres: f32, level: f
         place = select(at, floor(at) + 0.5, most > tolerance);
     }
     let light = mean_light(place / view.history_size, level) * view.exposure_ratio;
-    let weight = weight_of_match(kept, at_rest, with_view, tolerance);
+    let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
 
-/// Place of a surface in the last frame.
-struct LastPlace {
-    /// In pixels of that frame.
-    at: vec2<f32>,
-    /// Its distances, if it was at rest and if it moved with the camera.
-    expected: vec2<f32>,
-    /// Metres within which it is the same surface.
-    tolerance: f32,
+/// Pixel of the last frame where this frame has `pixel`, on a view that may have had another size.
+fn with_view(pixel: vec2<f32>) -> vec2<f32> {
+    return pixel / vec2<f32>(view.viewport_size) * view.last_viewport_size;
+}
+
+/// Place in the last frame of a surface at `place` (pixels and depth) and `position` (view space) that moved with the camera.
+fn carried_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
+    let distance = -position.z;
+    return LastPlace(with_view(place.xy), vec2(distance), step_at(distance, SAME_SURFACE));
 }
 
 /// Place in the last frame of the surface at `place` (pixels and depth) and `position` (view space).
@@ -138,7 +150,7 @@ fn last_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
     let at_rest = select(vec2(-1.0), last.xy / last.w, was_in_front);
     let distance_at_rest = dot(view.last_distance, vec4(position, 1.0));
     // A surface that moves with the camera stays where it is.
-    let with_view = place.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
+    let carried = with_view(place.xy);
     let distance = -position.z;
     var at = at_rest;
     var expected = vec2(distance_at_rest);
@@ -146,10 +158,10 @@ fn last_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
     if view.has_motion != 0u {
         let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
         let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
-        at = with_view - motion * view.last_viewport_size;
+        at = carried - motion * view.last_viewport_size;
         expected = vec2(select(distance, distance_at_rest, was_in_front), distance);
         // A surface that moves on its own may also come nearer or move away: by less than `thickness`, which is twice the tolerance.
-        let own = DEEP_PER_PIXEL * own_motion(at, at_rest, with_view);
+        let own = DEEP_PER_PIXEL * own_motion(at, at_rest, carried);
         metres = step_at(distance, SAME_SURFACE + own) + 0.5 * view.thickness;
     }
     // At rest, surfaces that were behind the camera are outside of the view: `at` is negative.
@@ -159,12 +171,9 @@ fn last_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
 /// which that frame showed it. `level` is that of the history.
 fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
-    let last = last_place(place, position);
-    var light = kept_light(last.at, last.expected.x, last.expected.y, last.tolerance, level);
+    var light = kept_light(last_place(place, position), level);
     if view.has_motion == 0u && view.carries_surfaces != 0u && light.w < 1.0 {
-        let with_view = place.xy / vec2<f32>(view.viewport_size) * view.last_viewport_size;
-        let distance = -position.z;
-        light = filled_up(light, kept_light(with_view, distance, distance, step_at(distance, SAME_SURFACE), level));
+        light = filled_up(light, kept_light(carried_place(place, position), level));
     }
     return light;
 }
