@@ -98,8 +98,8 @@ fn block_sums(plane: Plane, center: u32) -> Sums {
     return sums;
 }
 
-/// Means of blocks around a texel.
-struct Means {
+/// Sums over the blocks around a texel.
+struct Around {
     /// Of the nearest 2×2 blocks of each grid.
     near: Sums,
     /// Of the nearest 3×3.
@@ -119,7 +119,7 @@ fn near_weights(part: f32) -> array<f32, 3> {
 
 /// Adds the blocks of a grid around a texel, which is at `place` there. `first` and `side`: index of the grid's first block, and
 /// blocks in a row.
-fn add_blocks(means: ptr<function, Means>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
+fn add_blocks(around: ptr<function, Around>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
     let corner = first + place.x / BLOCK + side * (place.y / BLOCK);
     let inner = vec2<f32>(place % BLOCK);
     let part = (inner + 0.5) / f32(BLOCK);
@@ -138,12 +138,12 @@ fn add_blocks(means: ptr<function, Means>, plane: Plane, place: vec2<u32>, first
             let light = block_light[block];
             let alike = weight_on(at_corner, of_block.x, f32(BLOCK) * vec2(f32(x), f32(y)));
             let near = near_x[x] * near_y[y] * alike;
-            (*means).near.light += light * near;
-            (*means).near.weights += near;
+            (*around).near.light += light * near;
+            (*around).near.weights += near;
             let wide = wide_x[x] * wide_y[y] * alike;
-            (*means).wide.light += light * wide;
-            (*means).wide.squares += of_block.y * wide;
-            (*means).wide.weights += wide;
+            (*around).wide.light += light * wide;
+            (*around).wide.squares += of_block.y * wide;
+            (*around).wide.weights += wide;
         }
     }
 }
@@ -191,20 +191,20 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     var found = vec4(0.0);
     if plane.depth > 0.0 {
-        var means = Means(EMPTY, EMPTY);
-        add_blocks(&means, plane, place, 0u, FIRST_SIDE);
-        add_blocks(&means, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
-        let wide = means.wide.light / means.wide.weights;
+        var around = Around(EMPTY, EMPTY);
+        add_blocks(&around, plane, place, 0u, FIRST_SIDE);
+        add_blocks(&around, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
+        let wide = around.wide.light / around.wide.weights;
         let brightness = total(wide.rgb);
-        let variation = means.wide.squares / means.wide.weights / max(brightness * brightness, 1e-12) - 1.0;
+        let variation = around.wide.squares / around.wide.weights / max(brightness * brightness, 1e-12) - 1.0;
         // Beside edges, where blocks are on one side of the texel only, their mean is of light further away.
-        let near_share = saturate(means.near.weights - 1.0);
-        var narrower = means.near.light / means.near.weights;
+        let near_share = saturate(around.near.weights - 1.0);
+        var narrower = around.near.light / around.near.weights;
         if near_share < 1.0 {
             let own = block_sums(plane, center);
             narrower = mix(own.light / own.weights, narrower, near_share);
         }
-        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(means.wide.weights / ENOUGH);
+        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(around.wide.weights / ENOUGH);
         found = mix(narrower, wide, share);
     }
     // Clamp to the whole hemisphere.
