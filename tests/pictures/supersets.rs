@@ -22,6 +22,8 @@ use super::parity::{SIZE, compare_all};
 /// Least PSNR in dB between pictures by general pipelines and those that fit: shadows at their edges round differently.
 const LEAST_PSNR: f64 = 55.0;
 
+/// As [`LEAST_PSNR`], where pipelines differ in nothing but the filter of shadow maps: with another filter it is 56.6 dB.
+const LEAST_PSNR_OF_FILTERS: f64 = 65.0;
 /// As [`LEAST_PSNR`], with effects that follow their last frame.
 const LEAST_PSNR_OF_EFFECTS: f64 = 45.0;
 
@@ -253,7 +255,7 @@ fn general_pipelines_filter_shadows_as_those_that_fit() {
             });
             let [fitting, general] = by_both(&mut headless);
             let name = format!("shadows_{filter:?}");
-            results.push(judge(&name, &fitting, &general, LEAST_PSNR));
+            results.push(judge(&name, &fitting, &general, LEAST_PSNR_OF_FILTERS));
             assert!(
                 !pictures.contains(&fitting.rgba),
                 "{filter:?} is as another"
