@@ -78,6 +78,7 @@ mod queue;
 mod registration;
 mod resolve_motion;
 mod specialize;
+mod stand_in;
 mod targets;
 mod textures;
 mod usage;
@@ -197,6 +198,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<specialize::RequestedPipelines>()
             .init_resource::<pipeline_filter::PipelineFilter>()
             .init_resource::<forward_pipelines::WithheldMainPhases>()
+            .init_resource::<forward_pipelines::ForwardPipelines>()
             .init_resource::<depth_copy::WithheldDepthCopy>()
             .init_gpu_resource::<queue::PendingGBufferQueues>()
             .init_gpu_resource::<SpecializedMeshPipelines<pipeline::GBufferPipelineSpecializer>>()
@@ -254,6 +256,9 @@ impl Plugin for GBufferPlugin {
                         // Exclusive, but of the data of unordered systems it uses none.
                         forward_pipelines::specialize_left_meshes
                             .run_if(pipeline_filter::pipelines_are_missing)
+                            .ambiguous_with_all(),
+                        forward_pipelines::compile_waiting_pipelines
+                            .run_if(forward_pipelines::pipelines_wait)
                             .ambiguous_with_all(),
                         pipeline_filter::filter_pipelines,
                     )

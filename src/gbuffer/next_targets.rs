@@ -106,7 +106,14 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             };
             let placement = Placement::of(demand, active);
             let pipeline = self.pipeline(entity, &mesh, shaders, placement);
-            let is_drawn = matches!(pipeline, GBufferPipeline::Ready(_));
+            let is_drawn = match pipeline {
+                GBufferPipeline::Ready(_) => true,
+                GBufferPipeline::Pending(_) => {
+                    let stand_in = self.stand_in(entity, &mesh, shaders, demand, placement);
+                    stand_in.is_some()
+                }
+                GBufferPipeline::Failed(_) => false,
+            };
             self.prepare(entity, &mesh, shaders, demand, placement.output, is_drawn);
         }
     }

@@ -4,6 +4,8 @@
 //! needs ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it.
 //! Otherwise its phase retains it.
 
+use alloc::sync::Arc;
+
 use bevy::{
     mesh::Mesh3d,
     pbr::{
@@ -23,6 +25,7 @@ use bevy::{
 
 use super::{
     bevy::{
+        forward_pipelines::ForwardPipelines,
         phases::{BevyPhases, BevyViewPhases},
         pipeline_filter::{BevyPipelines, PipelineFilter, PipelineFilterWriter},
         queue_rules::{is_for_deferred_pass, keep_visible_in_order, visible_pair},
@@ -37,7 +40,7 @@ use super::{
     phase::{GBufferPhases, GBufferViewPhases},
     phase_item::QueuedMesh,
     placement::{MeshOutput, Placement, ViewChange},
-    specialize::{GBufferPipeline, GBufferPipelines},
+    specialize::{GBufferPipeline, GBufferPipelines, instance_key},
 };
 use crate::view::{ActiveLeanView, GBufferTargets, LeanDeferred};
 
@@ -69,10 +72,11 @@ enum QueueOwner {
 pub(super) fn queue_gbuffer_meshes(
     lookup: MeshLookup,
     mut pipelines: GBufferPipelines,
-    (mut bevy_phases, bevy_pipelines, mut pipeline_filter): (
+    (mut bevy_phases, bevy_pipelines, mut pipeline_filter, mut forward_pipelines): (
         BevyPhases,
         BevyPipelines,
         ResMut<PipelineFilter>,
+        ResMut<ForwardPipelines>,
     ),
     mut phases: GBufferPhases,
     (mut pending_queues, mut demands, mut forward_meshes, mut left, mut count): (
@@ -102,13 +106,17 @@ pub(super) fn queue_gbuffer_meshes(
     cameras: Query<&MainEntity, With<LeanDeferred>>,
     mut live_views: Local<HashSet<RetainedViewEntity>>,
     mut sorted: Local<HashMap<RetainedViewEntity, SortedView>>,
-    mut concerned: Local<Vec<MainEntity>>,
+    (mut concerned, mut kinds_for_forward): (
+        Local<Vec<MainEntity>>,
+        Local<HashSet<(usize, usize, MeshPipelineKey)>>,
+    ),
 ) {
     live_views.clear();
     left.start_frame();
     pipelines.start_frame();
     if pipelines.are_of_another_device() {
         sorted.clear();
+        forward_pipelines.clear();
     }
     count.0 = 0;
     let mut recent_kinds = RecentKinds::default();
@@ -135,6 +143,7 @@ pub(super) fn queue_gbuffer_meshes(
         }
         let sorted = sorted.entry(retained).or_default();
         let former = core::mem::replace(&mut sorted.active, active.copied());
+        kinds_for_forward.clear();
         concerned.clear();
         concerned.extend(changed.iter().chain(sorted.look_again.drain(..)));
         let shader_has_changed =
@@ -147,6 +156,8 @@ pub(super) fn queue_gbuffer_meshes(
             gpu_preprocessing: &gpu_preprocessing,
             draws_deferred: bevy_phases.draws_deferred(&retained),
             bevy: bevy_phases.of(&retained),
+            forward_pipelines: &mut forward_pipelines,
+            kinds_for_forward: &mut kinds_for_forward,
             filter: pipeline_filter.of(retained, &bevy_pipelines),
             phases,
             pending: &mut pending.current_frame,
@@ -155,6 +166,7 @@ pub(super) fn queue_gbuffer_meshes(
             demand: demands.of(retained),
             forward_meshes: forward_meshes.of(retained.main_entity, active.is_some()),
             left: left.of(retained),
+            view: retained,
             view_key: *view_key,
             active,
             targets_are_guessed: former.is_none(),
@@ -173,6 +185,9 @@ pub(super) fn queue_gbuffer_meshes(
             Some(meshes) => !meshes.is_complete(),
             None => false,
         };
+        if queues_all {
+            sorter.forward_pipelines.forget_waiting(retained);
+        }
         if change == ViewChange::All || queues_all || shader_has_changed || lacks_reasons {
             sorter.known_pipelines.clear();
             if let Some(meshes) = &mut sorter.forward_meshes {
@@ -244,6 +259,9 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     /// True if Bevy's deferred pass draws into this view; the view is not lean then.
     draws_deferred: bool,
     bevy: BevyViewPhases<'a>,
+    pub(super) forward_pipelines: &'a mut ForwardPipelines,
+    /// Kinds of meshes whose pipeline of Bevy's was asked for in this frame.
+    kinds_for_forward: &'a mut HashSet<(usize, usize, MeshPipelineKey)>,
     filter: PipelineFilterWriter<'a>,
     phases: GBufferViewPhases<'a>,
     pending: &'a mut HashSet<(Entity, MainEntity)>,
@@ -253,6 +271,7 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     /// `None` if nobody asks for them, or if the view is not lean.
     forward_meshes: Option<&'a mut CameraForwardMeshes>,
     left: &'a mut ViewLeftMeshes,
+    view: RetainedViewEntity,
     pub(super) view_key: MeshPipelineKey,
     pub(super) active: Option<&'a ActiveLeanView>,
     /// The view was not lean in the last frame: its targets are those of other views.
@@ -296,10 +315,16 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         };
 
         let placement = Placement::of(demand, active);
-        let output = placement.output;
-        let pipeline = self.pipeline(entity, &mesh, shaders, placement);
+        let mut output = placement.output;
+        let mut pipeline = self.pipeline(entity, &mesh, shaders, placement);
+        if matches!(pipeline, GBufferPipeline::Pending(_))
+            && let Some((less, id)) = self.stand_in(entity, &mesh, shaders, demand, placement)
+        {
+            (output, pipeline) = (less, GBufferPipeline::Ready(id));
+            self.look_again.push(entity);
+        }
         let is_drawn = matches!(pipeline, GBufferPipeline::Ready(_));
-        self.prepare(entity, &mesh, shaders, demand, output, is_drawn);
+        self.prepare(entity, &mesh, shaders, demand, placement.output, is_drawn);
         if let GBufferPipeline::Ready(id) | GBufferPipeline::Failed(Some(id)) = pipeline {
             self.known_pipelines.insert(id, pipeline);
         }
@@ -329,6 +354,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             }
         }
         self.take_from_forward(entity, &mesh, active.keeps_prepass, owner);
+        self.prepare_for_forward(entity, &mesh);
         let visibility_mask = output
             .targets
             .contains(GBufferTargets::VISIBILITY_MASK)
@@ -384,6 +410,22 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         let is_strange = self.is_strange_to_bevy(mesh);
         let is_forced = is_strange || owner == QueueOwner::Either;
         self.filter.leave(entities, !is_strange, is_forced);
+    }
+
+    /// Has Bevy's pipeline of a mesh compiled in the background.
+    fn prepare_for_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue) {
+        if !self.pipelines.compile_in_background() {
+            return;
+        }
+        let kind = (
+            Arc::as_ptr(&mesh.material.properties).addr(),
+            Arc::as_ptr(&mesh.mesh.layout.0).addr(),
+            instance_key(self.lookup, entity, mesh),
+        );
+        if self.kinds_for_forward.insert(kind) {
+            let view = (self.view, self.view_key);
+            (self.forward_pipelines).compile_later(self.lookup, entity, mesh, view);
+        }
     }
 
     /// Keeps the mesh in Bevy's prepass if the G-buffer does not write everything that the prepass writes.

@@ -120,6 +120,10 @@ impl GBufferPipelines<'_, '_> {
         }
     }
 
+    pub(super) fn compile_in_background(&self) -> bool {
+        self.watch.compiles_in_background()
+    }
+
     /// True if the device was recreated, so that all known pipelines are invalid.
     pub(super) fn are_of_another_device(&self) -> bool {
         self.cache.is_added()
@@ -218,7 +222,7 @@ impl GBufferPipelines<'_, '_> {
             Ok(id) => {
                 // If Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
                 // by a pipeline that has to be compiled too.
-                if is_new {
+                if is_new && !self.watch.compiles_in_background() {
                     self.cache.process_queue();
                 }
                 self.state(id)

@@ -30,4 +30,5 @@ mod switching;
 #[cfg(target_os = "linux")]
 mod validation_layer;
 mod viewer_errors;
+mod visible_while_compiling;
 mod walk;

@@ -1,10 +1,14 @@
-//! Specializes Bevy's pipelines for the meshes of lean views that Bevy draws, and for no others.
+//! Specializes Bevy's main-pass pipelines for the meshes of lean views.
 //!
-//! Bevy specializes a main-pass pipeline for each mesh that becomes visible or changes. On views that could be lean this crate does so
-//! in its place, once it is known which meshes are left to Bevy: compiling the others' pipelines would take longer than all of this
-//! crate's. Bevy's system skips views without main phases, so these are set aside while it runs.
+//! Bevy specializes one for each mesh that becomes visible or changes. On views that could be lean this crate does so in its place, once
+//! it is known which meshes are left to Bevy. Bevy's system skips views without main phases, so these are set aside while it runs.
+//!
+//! Pipelines of meshes in the G-buffer are compiled one at a time, while no others are: if such a mesh is left to Bevy, it must not
+//! vanish until its pipeline is compiled. Where Bevy compiles within the frame they are not: each would delay a frame, and all of them
+//! take longer than all pipelines of this crate.
 
-use alloc::sync::Arc;
+use alloc::{collections::VecDeque, sync::Arc};
+use core::hash::BuildHasher;
 
 use bevy::{
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
@@ -15,12 +19,14 @@ use bevy::{
         MeshPipelineKey, PendingMeshMaterialQueues, SpecializedMaterialPipelineCache,
         Transmissive3d, ViewKeyCache, alpha_mode_pipeline_key,
     },
+    platform::{collections::HashMap, hash::FixedHasher},
     prelude::*,
     render::{
         camera::DirtySpecializations,
         render_phase::{
             BinnedRenderPhase, SortedRenderPhase, ViewBinnedRenderPhases, ViewSortedRenderPhases,
         },
+        render_resource::{CachedRenderPipelineId, PipelineCache},
         sync_world::MainEntity,
         view::{ExtractedView, RetainedViewEntity},
     },
@@ -128,13 +134,123 @@ pub(in crate::gbuffer) fn restore_main_phases(
 }
 
 /// A pipeline to specialize.
-pub(in crate::gbuffer) struct ForwardPipeline {
-    view: RetainedViewEntity,
-    mesh: MainEntity,
-    is_shown: bool,
+struct ForwardPipeline {
     key: ErasedMaterialPipelineKey,
     layout: MeshVertexBufferLayoutRef,
     properties: Arc<MaterialProperties>,
+}
+
+impl ForwardPipeline {
+    fn of(
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        view_key: MeshPipelineKey,
+    ) -> Self {
+        let key = forward_key(lookup, entity, mesh, view_key);
+        Self {
+            key: material_pipeline_key(mesh, key),
+            layout: mesh.mesh.layout.clone(),
+            properties: mesh.material.properties.clone(),
+        }
+    }
+
+    fn hash(&self) -> u64 {
+        FixedHasher.hash_one((&self.layout, &self.key))
+    }
+
+    fn specialize(&self, world: &mut World) -> Option<CachedRenderPipelineId> {
+        let specialize = self.properties.base_specialize?;
+        match specialize(world, self.key.clone(), &self.layout, &self.properties) {
+            Ok(id) => {
+                let mut pipelines = world.resource_mut::<ForwardPipelines>();
+                pipelines.known.insert(self.hash(), Some(id));
+                Some(id)
+            }
+            Err(error) => {
+                error!("{error}");
+                None
+            }
+        }
+    }
+}
+
+/// Bevy's pipelines for kinds of meshes on lean views.
+#[derive(Resource, Default)]
+pub(in crate::gbuffer) struct ForwardPipelines {
+    /// By hash. `None` until specialized.
+    known: HashMap<u64, Option<CachedRenderPipelineId>>,
+    /// Pipelines of meshes in the G-buffer.
+    waiting: VecDeque<(RetainedViewEntity, ForwardPipeline)>,
+}
+
+impl ForwardPipelines {
+    /// Bevy's pipeline of a mesh, if it was specialized.
+    pub(in crate::gbuffer) fn get(
+        &self,
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        view_key: MeshPipelineKey,
+    ) -> Option<CachedRenderPipelineId> {
+        let pipeline = ForwardPipeline::of(lookup, entity, mesh, view_key);
+        self.known.get(&pipeline.hash()).copied().flatten()
+    }
+
+    /// Has the pipeline of a mesh in the G-buffer compiled some time.
+    pub(in crate::gbuffer) fn compile_later(
+        &mut self,
+        lookup: &MeshLookup,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        (view, view_key): (RetainedViewEntity, MeshPipelineKey),
+    ) {
+        let pipeline = ForwardPipeline::of(lookup, entity, mesh, view_key);
+        let hash = pipeline.hash();
+        if !self.known.contains_key(&hash) {
+            self.known.insert(hash, None);
+            self.waiting.push_back((view, pipeline));
+        }
+    }
+
+    /// Forgets what waits for a view whose meshes all have other pipelines.
+    pub(in crate::gbuffer) fn forget_waiting(&mut self, view: RetainedViewEntity) {
+        let Self { known, waiting } = self;
+        waiting.retain(|(other, pipeline)| {
+            let stays = *other != view;
+            if !stays {
+                known.remove(&pipeline.hash());
+            }
+            stays
+        });
+    }
+
+    /// Forgets the pipelines of a former device.
+    pub(in crate::gbuffer) fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// Specializes a pipeline of meshes in the G-buffer while none is compiling.
+pub(in crate::gbuffer) fn compile_waiting_pipelines(world: &mut World) {
+    let is_idle = (world.resource::<PipelineCache>().waiting_pipelines().next()).is_none();
+    let mut pipelines = world.resource_mut::<ForwardPipelines>();
+    if is_idle && let Some((_, pipeline)) = pipelines.waiting.pop_front() {
+        pipeline.specialize(world);
+    }
+}
+
+/// True if pipelines of meshes in the G-buffer are to be compiled.
+pub(in crate::gbuffer) fn pipelines_wait(pipelines: Res<ForwardPipelines>) -> bool {
+    !pipelines.waiting.is_empty()
+}
+
+/// The pipeline of a mesh that is left to Bevy.
+pub(in crate::gbuffer) struct LeftMesh {
+    view: RetainedViewEntity,
+    mesh: MainEntity,
+    is_shown: bool,
+    pipeline: ForwardPipeline,
 }
 
 system_param! {
@@ -150,7 +266,7 @@ system_param! {
 pub(in crate::gbuffer) fn specialize_left_meshes(
     world: &mut World,
     state: &mut SystemState<ForwardPipelineInputs<'static>>,
-    mut missing: Local<Vec<ForwardPipeline>>,
+    mut missing: Local<Vec<LeftMesh>>,
 ) {
     {
         let Ok(inputs) = state.get_mut(world) else {
@@ -170,16 +286,11 @@ pub(in crate::gbuffer) fn specialize_left_meshes(
             for MissingPipeline { entities, is_shown } in meshes {
                 let mesh = entities.1;
                 match lookup.find(mesh, &mut kinds) {
-                    Ok(found) => missing.push(ForwardPipeline {
+                    Ok(found) => missing.push(LeftMesh {
                         view,
                         mesh,
                         is_shown,
-                        key: material_pipeline_key(
-                            &found,
-                            forward_key(&lookup, mesh, &found, *view_key),
-                        ),
-                        layout: found.mesh.layout.clone(),
-                        properties: found.material.properties.clone(),
+                        pipeline: ForwardPipeline::of(&lookup, mesh, &found, *view_key),
                     }),
                     Err(true) => {
                         let pending = pending.entry(view).or_default();
@@ -190,21 +301,16 @@ pub(in crate::gbuffer) fn specialize_left_meshes(
             }
         }
     }
-    for pipeline in missing.drain(..) {
-        let Some(specialize) = pipeline.properties.base_specialize else {
+    for left in missing.drain(..) {
+        let Some(id) = left.pipeline.specialize(world) else {
             continue;
         };
-        match specialize(world, pipeline.key, &pipeline.layout, &pipeline.properties) {
-            Ok(id) => {
-                let mut pipelines = world.resource_mut::<SpecializedMaterialPipelineCache>();
-                let pipelines = pipelines.entry(pipeline.view).or_default();
-                pipelines.insert(pipeline.mesh, id);
-                if pipeline.is_shown {
-                    let mut filter = world.resource_mut::<PipelineFilter>();
-                    filter.show_mesh(pipeline.view, pipeline.mesh, id);
-                }
-            }
-            Err(error) => error!("{error}"),
+        let mut pipelines = world.resource_mut::<SpecializedMaterialPipelineCache>();
+        let pipelines = pipelines.entry(left.view).or_default();
+        pipelines.insert(left.mesh, id);
+        if left.is_shown {
+            let mut filter = world.resource_mut::<PipelineFilter>();
+            filter.show_mesh(left.view, left.mesh, id);
         }
     }
 }
