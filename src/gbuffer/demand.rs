@@ -251,11 +251,15 @@ fn union<'a>(demands: impl Iterator<Item = &'a Demand>) -> Demand {
 
 /// The demands of all lean views.
 #[derive(Resource, Default)]
-pub(crate) struct ViewDemands(HashMap<RetainedViewEntity, ViewDemand>);
+pub(crate) struct ViewDemands {
+    views: HashMap<RetainedViewEntity, ViewDemand>,
+    /// Demand of the last views that were dropped.
+    of_dropped: Demand,
+}
 
 impl ViewDemands {
     pub(super) fn of(&mut self, view: RetainedViewEntity) -> &mut ViewDemand {
-        self.0.entry(view).or_default()
+        self.views.entry(view).or_default()
     }
 
     /// Forgets the meshes of views that are not `active`, and drops views that no longer `exist`. The first frame after
@@ -265,24 +269,38 @@ impl ViewDemands {
         active: impl Fn(&RetainedViewEntity) -> bool,
         exist: impl Fn(&RetainedViewEntity) -> bool,
     ) {
-        self.0.retain(|view, demand| {
-            let is_active = active(view);
-            if !is_active {
-                demand.forget_meshes();
+        let mut of_dropped = Demand::default();
+        let mut drops = false;
+        self.views.retain(|view, demand| {
+            if active(view) {
+                return true;
             }
-            is_active || exist(view)
+            demand.forget_meshes();
+            let is_kept = exist(view);
+            if !is_kept {
+                drops = true;
+                of_dropped = of_dropped.union(union(demand.lingering.keys()));
+            }
+            is_kept
         });
+        if drops {
+            self.of_dropped = of_dropped;
+        }
     }
 
-    /// Demand of the meshes of all views, including lingering ones.
+    /// Demand of the meshes of all views, including lingering ones; if there are none, that of the last ones there were: a camera may be
+    /// spawned anew for each level or picture.
     fn of_all(&self) -> Demand {
-        union(self.0.values().flat_map(|view| view.lingering.keys()))
+        if self.views.is_empty() {
+            return self.of_dropped;
+        }
+        union(self.views.values().flat_map(|view| view.lingering.keys()))
     }
 
     /// True if visible meshes of `view` scatter light beneath their surfaces, now or within the lingering time. A view
     /// in its first frame is assumed to if any other does.
     pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
-        match self.0.get(&view) {
+        match self.views.get(&view) {
             Some(demand) => (demand.lingering.keys()).any(|demand| demand.variants.scatter()),
             None => self.of_all().variants.scatter(),
         }
@@ -299,7 +317,7 @@ impl ViewDemands {
         meshes_move: bool,
         cache: &PipelineCache,
     ) -> WantedDemand {
-        match self.0.get_mut(&view) {
+        match self.views.get_mut(&view) {
             Some(demand) => demand.wanted(order, last, meshes_move, cache),
             None => WantedDemand::at_first([self.of_all(), Demand::default()], order, last),
         }

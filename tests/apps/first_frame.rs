@@ -187,6 +187,32 @@ fn demands_outlast_pauses() {
     assert_eq!(targets, GBufferTargets::empty());
 }
 
+/// Without any other camera, the first frame has the targets of the last camera there was: no mesh is missing in a thumbnail, or in the
+/// first frame after a menu.
+#[test]
+fn a_camera_spawned_anew_has_the_targets_of_the_last() {
+    let mut stage = Stage::new();
+    let only = stage.spawn(1);
+    stage.headless.settle();
+    stage.headless.frames(2);
+    let expected = stage.state(only);
+    let [_, before] = stage.pictures();
+    for camera in [only, stage.always_on] {
+        stage.headless.world().despawn(camera);
+    }
+    stage.headless.frames(3);
+    for round in 0..2 {
+        let camera = stage.spawn(1);
+        stage.headless.frames(1);
+        assert_eq!(stage.state(camera), expected, "round {round}");
+        let [_, now] = stage.pictures();
+        let difference = pixel_difference(&before, &now);
+        assert!(difference.psnr > 70.0, "round {round}: {difference}");
+        stage.headless.world().despawn(camera);
+        stage.headless.frames(3);
+    }
+}
+
 /// A camera spawned for one frame is lean: its pipelines were compiled for other cameras.
 #[test]
 fn a_camera_that_lives_for_one_frame_is_lean() {
