@@ -70,7 +70,7 @@ pub(super) fn decide_active_reflections(
             !status.is_off_without(lean) && !status.is_off_by_device(&support.screen_space);
         let rows = drawn_part(view, resolution).height();
         let wanted = ReflectionKey {
-            divisor: settings.texel_side(rows),
+            divisor: settings.steady_texel_side(rows, current.map(|active| active.key.divisor)),
             projection: projection_of(view.clip_from_view),
         };
         let shows_hits = debug_view.is_some_and(|view| view.shows == DebugView::ReflectionHit);

@@ -60,7 +60,7 @@ use crate::view::{LeanQuality, LeanResolution, LeanStatus};
 /// | quality | steps | segments | length of a segment: pixels, or share of the lobe's radius if that is longer |
 /// |---|---|---|---|
 /// | `Low` | 48 | 48 | 16, or 0.22; texels are twice as large per side |
-/// | `Medium` | 64 | 48 | 8, or 0.22; in views of 1440 rows or more, texels and segments are as large as with `Low` |
+/// | `Medium` | 64 | 48 | 8, or 0.22; in views of 1360 rows or more, texels and segments are as large as with `Low` |
 /// | `High` | 128 | 96 | 4, or 0.075 |
 /// | `Ultra` | 256 | 192 | 2, or 0.04 |
 #[doc(alias = "ssr")]
@@ -119,14 +119,25 @@ impl Default for LeanScreenSpaceReflectionsAdvanced {
     }
 }
 
-/// Rows from which on 4×4 pixels are no larger a part of the image than 2×2 are at 720 rows.
-const MANY_ROWS: u32 = 1440;
+/// Rows from which on 4×4 pixels are about as small a part of the image as 2×2 are at 720 rows. No common screen has about as many.
+const MANY_ROWS: u32 = 1360;
+/// Part of the rows, in percent, by which a view has to be past [`MANY_ROWS`] before its texels change: dynamic resolution may cross
+/// it in any frame.
+const HYSTERESIS: u32 = 5;
 
 impl LeanScreenSpaceReflections {
     /// Pixels per side of a texel, which sends one ray, in a view of `rows` rows: 1, 2 or 4. The divisor of the resolution, doubled with
-    /// `Low`, and with `Medium` from 1440 rows on.
+    /// `Low`, and with `Medium` from 1360 rows on.
     pub fn texel_side(&self, rows: u32) -> u32 {
         self.resolution.divisor() * self.texel_step(rows)
+    }
+
+    /// As [`texel_side`](Self::texel_side), in a view whose texels had the side `last` in the frame before: it stays as it was near the
+    /// number of rows at which it changes.
+    pub(super) fn steady_texel_side(&self, rows: u32, last: Option<u32>) -> u32 {
+        let near = [100 - HYSTERESIS, 100 + HYSTERESIS].map(|percent| rows * percent / 100);
+        last.filter(|last| near.iter().any(|rows| self.texel_side(*rows) == *last))
+            .unwrap_or_else(|| self.texel_side(rows))
     }
 
     /// Factor per side on the resolution's texels, in a view of `rows` rows.
@@ -166,4 +177,46 @@ pub(super) struct Marches {
     pub(super) shortest_segment: f32,
     /// Length of a segment, as a share of the distance marched times the perceptual roughness squared.
     pub(super) growth: f32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_keep_their_size_while_the_resolution_is_scaled() {
+        let settings = LeanScreenSpaceReflections::default();
+        // Common screens have the texels of their size, whatever came before.
+        for (rows, side) in [
+            (720, 2),
+            (1080, 2),
+            (1200, 2),
+            (1440, 4),
+            (1600, 4),
+            (2160, 4),
+        ] {
+            assert_eq!(settings.texel_side(rows), side);
+            for last in [None, Some(2), Some(4)] {
+                assert_eq!(
+                    settings.steady_texel_side(rows, last),
+                    side,
+                    "{rows} {last:?}"
+                );
+            }
+        }
+        // Dynamic resolution around the threshold.
+        for (first, side) in [(1430, 4), (1290, 2)] {
+            let last = settings.steady_texel_side(first, None);
+            assert_eq!(last, side);
+            for rows in 1300..1420 {
+                assert_eq!(settings.steady_texel_side(rows, Some(last)), last, "{rows}");
+            }
+        }
+        // Another quality counts at once.
+        let low = LeanScreenSpaceReflections {
+            quality: LeanQuality::Low,
+            ..settings
+        };
+        assert_eq!(low.steady_texel_side(1080, Some(2)), 4);
+    }
 }
