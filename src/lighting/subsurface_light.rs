@@ -17,7 +17,6 @@ use bevy::{
 use super::bevy::background::lit_pixels;
 use crate::{
     gpu::{storage_texture::StorageTexture, texture_bytes::texture_bytes},
-    shader_library::tiles,
     view::{ActiveLeanView, LightingIo, OutOfMemory, ScattersLight},
 };
 
@@ -49,13 +48,12 @@ pub struct SubsurfaceLight {
     /// The picture at pixels that scatter light.
     pub(crate) picture: StorageTexture,
     pub(crate) tiles: Buffer,
-    /// Number of tiles of the view per axis.
-    tile_count: UVec2,
+    /// Size of the textures in pixels.
+    size: UVec2,
 }
 
 impl SubsurfaceLight {
-    fn new(device: &RenderDevice, tile_count: UVec2) -> Self {
-        let size = size_of(tile_count);
+    fn new(device: &RenderDevice, size: UVec2) -> Self {
         Self {
             light: StorageTexture::new(device, LABEL, size, SUBSURFACE_LIGHT_FORMAT),
             picture: StorageTexture::new(
@@ -70,13 +68,13 @@ impl SubsurfaceLight {
                 usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
-            tile_count,
+            size,
         }
     }
 
     /// Size of the textures in pixels.
     pub(crate) fn size(&self) -> UVec2 {
-        size_of(self.tile_count)
+        self.size
     }
 
     /// Clears the list before lighting records tiles and materials.
@@ -94,8 +92,9 @@ impl SubsurfaceLight {
     }
 }
 
-fn size_of(tile_count: UVec2) -> UVec2 {
-    (tile_count * tiles::TILE_SIDE).map(|length| length.next_multiple_of(COARSEST_TEXEL))
+/// Size of the textures of a view with `pixels`.
+fn size_of(pixels: UVec2) -> UVec2 {
+    (pixels.max(UVec2::ONE)).map(|length| length.next_multiple_of(COARSEST_TEXEL))
 }
 
 /// Number of blocks of tiles in textures of this size.
@@ -134,9 +133,9 @@ pub(crate) fn prepare_subsurface_light(
             continue;
         }
         let (_, size) = lit_pixels(camera, target, resolution);
-        let tile_count = tiles::count(size).max(UVec2::ONE);
-        if current.is_none_or(|current| current.tile_count != tile_count) {
-            let make = || SubsurfaceLight::new(&device, tile_count);
+        let size = size_of(size);
+        if current.is_none_or(|current| current.size != size) {
+            let make = || SubsurfaceLight::new(&device, size);
             match memory.fit(&device, entity, LABEL, make) {
                 Some(made) => commands.entity(entity).insert(made),
                 None => commands.entity(entity).remove::<SubsurfaceLight>(),

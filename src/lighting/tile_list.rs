@@ -46,9 +46,9 @@ impl TileList {
         self.dispatch.size() + self.list.size()
     }
 
-    /// True if the list has this capacity.
+    /// True if the list has at least this capacity.
     pub(super) fn fits(&self, capacity: u32) -> bool {
-        self.capacity == capacity
+        self.capacity >= capacity
     }
 
     pub(super) fn clear(&self, encoder: &mut CommandEncoder) {
