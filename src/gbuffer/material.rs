@@ -119,8 +119,8 @@ impl GBufferMaterial for StandardMaterial {
         if self.specular_transmission != 0.0 {
             return Err(ForwardReason::Transmissive);
         }
-        // It offsets the depth from which lighting reconstructs the position.
-        if self.depth_bias != 0.0 {
+        // It offsets the depth from which lighting reconstructs the position. Bevy draws with its whole part.
+        if self.depth_bias as i32 != 0 {
             return Err(ForwardReason::DepthBias);
         }
         let albedo = self.base_color.to_linear();

@@ -249,7 +249,8 @@ fn extract_material_needs<M: Material>(
         | AssetEvent::LoadedWithDependencies { id }) = event;
         if let Some(material) = assets.get(*id) {
             materials.needs.insert(id.untyped(), needs(material));
-        } else {
+        } else if matches!(event, AssetEvent::Unused { .. }) {
+            // Bevy draws with a removed material while a mesh has its handle.
             materials.needs.remove(&id.untyped());
         }
     }

@@ -4,7 +4,10 @@ use core::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use bevy::{asset::uuid_handle, material::OpaqueRendererMethod, prelude::*};
-use bevy_lean_deferred::{gbuffer::ForwardReason, prelude::*};
+use bevy_lean_deferred::{
+    gbuffer::{ForwardReason, GBufferMaterial},
+    prelude::*,
+};
 use kit::{
     foreign_material::{Palette, VoxelMaterial, VoxelPlugin, voxel_mesh},
     headless::{Headless, small_shadow_maps},
@@ -74,6 +77,18 @@ fn changes() -> [(ForwardReason, Change); 18] {
             m.anisotropy_strength = 0.5;
         }),
     ]
+}
+
+/// Bevy draws with the whole part of a depth bias.
+#[test]
+fn a_depth_bias_below_one_is_none() {
+    for (bias, is_carried) in [(0.5, true), (-0.9, true), (1.0, false), (-2.0, false)] {
+        let material = StandardMaterial {
+            depth_bias: bias,
+            ..default()
+        };
+        assert_eq!(material.gbuffer_needs().is_ok(), is_carried, "{bias}");
+    }
 }
 
 fn clay() -> StandardMaterial {
