@@ -101,11 +101,13 @@ fn unpack_begin(texel: vec2<i32>, word: u32) -> vec2<i32> {
 /// Bit of a packed hit whose ray has another direction in each of several frames.
 const CHANGES: u32 = 1u;
 
+/// Bit of a packed hit of a surface that moves on its own.
+const MOVES: u32 = 2u;
+
 /// Packs a hit: the distance to its mirror image, seen straight through the mirror, in metres (0: miss), and in the lower bits the
-/// weight of the ray's direction, and `CHANGES`.
-fn pack_hit(distance: f32, weight: f32, changes: bool) -> u32 {
-    let low = (u32(saturate(weight) * 127.0 + 0.5) << 1u) | select(0u, CHANGES, changes);
-    return (bitcast<u32>(distance) & 0xffffff00u) | low;
+/// weight of the ray. `bits`: `CHANGES` and `MOVES`.
+fn pack_hit(distance: f32, weight: f32, bits: u32) -> u32 {
+    return (bitcast<u32>(distance) & 0xffffff00u) | (u32(saturate(weight) * 63.0 + 0.5) << 2u) | bits;
 }
 
 fn unpack_distance(hit: u32) -> f32 {
@@ -114,5 +116,5 @@ fn unpack_distance(hit: u32) -> f32 {
 
 /// 0 to 1.
 fn unpack_weight(hit: u32) -> f32 {
-    return f32((hit >> 1u) & 0x7fu) / 127.0;
+    return f32((hit >> 2u) & 0x3fu) / 63.0;
 }

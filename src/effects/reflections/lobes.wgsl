@@ -3,8 +3,12 @@
 #define_import_path bevy_lean_deferred::effects::reflections::lobes
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
-#import bevy_lean_deferred::effects::reflections::bindings::{history_texture, lobes_texture, view, view_position}
-#import bevy_lean_deferred::effects::reflections::surface::{LastPlace, carried_place, last_place}
+#import bevy_lean_deferred::effects::reflections::bindings::{
+    history_texture, homogeneous_pixel, lobes_texture, view, view_position,
+}
+#import bevy_lean_deferred::effects::reflections::surface::{
+    LEAST_OWN, LastPlace, carried_place, last_place, motion_at, with_view,
+}
 #import bevy_lean_deferred::effects::reprojection::weight_of_match
 
 /// Frames in which the rays of rough surfaces take all of their directions.
@@ -13,6 +17,8 @@ const PHASES: u32 = 4u;
 /// Bit of the newest lobe in the last of a texel's words, if it is known. Below it, that word has the confidences, eight bits each,
 /// the newest one lowest. The other words have light times confidence.
 const KNOWN: u32 = 1u << 24u;
+/// Bit of the newest lobe in that word, if it shows something that moved on its own.
+const MOVED: u32 = 1u << 27u;
 
 /// Shift in a frame of this phase of the two numbers that choose a ray's direction. The sixteen rays stay evenly spread, and those of
 /// all phases are, too: each has a quarter of the first number's sixteenth, and another quarter of the second number.
@@ -24,6 +30,22 @@ fn shift_of(phase: u32) -> vec2<f32> {
 /// Pixels by which a mirror image is followed at most in a frame.
 const MOST_MOVED: f32 = 64.0;
 
+/// Pixels that the camera's motion moves a mirror at rest, from which on a mirror that moves with the camera is told apart, and its least
+/// share of that motion. Below both, rounding of motion vectors would look like a share.
+const CARRIED_FROM: f32 = 0.25;
+const LEAST_CARRIED: f32 = 0.05;
+
+/// Limits of the difference of the last frames' lobes from this frame's lobe, relative to the mean difference of this frame's rays from
+/// it. Lobes are means of sixteen rays and more, so they differ by less than rays do.
+/// Where things in the mirror move on their own.
+const OF_MOVERS: f32 = 0.35;
+/// Least limit where the mirror image moves.
+const OF_IMAGES: f32 = 0.5;
+/// Limit where it moves by the lobe's radius; inversely proportional to its motion.
+const OF_SLOW: f32 = 0.06;
+/// From here on there is no limit.
+const UNLIMITED: f32 = 8.0;
+
 /// Texels within which a place is that of a single texel. At rest all are, and each texel keeps its own directions.
 const EXACT: f32 = 1.0 / 32.0;
 
@@ -33,6 +55,8 @@ struct LobePlace {
     at: vec2<f32>,
     /// False if the last frame showed another surface there.
     is_known: bool,
+    /// Limit of its difference from this frame's lobe: see `OF_IMAGES`.
+    limit: f32,
 }
 
 /// Place of the lobe whose ray begins at a place of the last frame. `offset`: from a texel's coordinates to its ray's begin, in pixels.
@@ -40,47 +64,131 @@ fn lobe_place(place: LastPlace, offset: vec2<f32>) -> LobePlace {
     let is_inside = all(place.at >= vec2(0.0)) && all(place.at < view.last_viewport_size);
     let kept = textureLoad(history_texture, vec2<i32>(place.at), 0).a * view.metres_per_unit;
     let weight = weight_of_match(kept, place.expected.x, place.expected.y, place.tolerance);
-    return LobePlace((place.at - offset) / f32(view.divisor), is_inside && weight >= 0.5);
+    return LobePlace((place.at - offset) / f32(view.divisor), is_inside && weight >= 0.5, UNLIMITED);
 }
 
-/// Pixels by which a mirror image moved against its mirror since the last frame, both at rest in the world. The lobe moves with it.
-fn moved_image(position: vec3<f32>, roughness: f32, image: f32) -> vec2<f32> {
+/// Homogeneous pixel of the last frame.
+fn last_pixel(position: vec3<f32>) -> vec4<f32> {
+    return view.last_pixel_from_view * vec4(position, 1.0);
+}
+
+/// Transforms a position from this frame's view space to the last frame's. Assumes that the projection is the same.
+fn last_view_position(position: vec3<f32>) -> vec3<f32> {
+    let m = view.last_pixel_from_view;
+    let ahead = view.last_distance.xyz;
+    let centre = vec2(dot(vec3(m[0].x, m[1].x, m[2].x), ahead), dot(vec3(m[0].y, m[1].y, m[2].y), ahead));
+    let at = last_pixel(position);
+    return vec3((at.xy - centre * at.w) / view.pixels_per_metre, -at.w);
+}
+
+/// Mirrors an offset in the plane of a mirror.
+fn mirrored(offset: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    return offset - 2.0 * dot(offset, normal) * normal;
+}
+
+/// Metres across the view by which the surface at `position` moved on its own since the last frame; 0 if the last frame showed another
+/// one there, by more than `tolerance` metres of distance.
+fn own_displacement(position: vec3<f32>, tolerance: f32) -> vec3<f32> {
+    let pixel = homogeneous_pixel(position, 1.0);
+    let place = pixel.xy / pixel.w;
+    let at_rest = last_pixel(position);
+    let is_seen = min(pixel.w, at_rest.w) > 0.0 && all(place >= vec2(0.0)) && all(place < vec2<f32>(view.viewport_size));
+    if !is_seen {
+        return vec3(0.0);
+    }
+    let at = with_view(place) - motion_at(vec2<i32>(place)) * view.last_viewport_size;
+    let kept = textureLoad(history_texture, vec2<i32>(at), 0).a * view.metres_per_unit;
+    let deeper = kept - at_rest.w;
+    let surface = last_pixel(position * (1.0 - deeper / position.z));
+    let moved = at - surface.xy / surface.w;
+    let is_same = all(at >= vec2(0.0)) && all(at < view.last_viewport_size) && abs(deeper) < tolerance;
+    // The jitter of two frames differs by up to a pixel.
+    return select(vec3(0.0), vec3(moved * kept / view.pixels_per_metre, 0.0), is_same && dot(moved, moved) > 1.0);
+}
+
+/// Tolerance of the distance of the surface that a lobe's rays hit, as a share of their length: the mean of their lengths is not that of
+/// the ray in the mirror's direction.
+const SAME_HIT: f32 = 0.3;
+
+/// Pixels by which a mirror image moved against its mirror since the last frame. The lobe moves with it. The last frame showed the
+/// mirror `at` a pixel, and this one at `seen`. `moves`: rays hit something that moves on its own.
+fn moved_image(
+    at: vec2<f32>,
+    seen: vec2<f32>,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    roughness: f32,
+    image: f32,
+    moves: bool,
+) -> vec2<f32> {
     // Rough lobes lean towards the normal, and follow less (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR").
     let share = (1.0 - roughness) * (sqrt(1.0 - roughness) + roughness);
+    let of_mirror = last_pixel(position);
+    let mirror_at_rest = of_mirror.xy / of_mirror.w;
 #ifdef PROJECTION_ORTHOGRAPHIC
-    let behind = position - vec3(0.0, 0.0, share * image);
+    let of_image = last_pixel(position - vec3(0.0, 0.0, share * image));
 #else
-    let behind = position * mix(1.0, image / max(length(position), 1e-6), share);
+    // From the mirror to where its rays hit, and where that was.
+    var to_hit = mirrored(position * (image / max(length(position), 1e-6) - 1.0), normal);
+    if moves {
+        to_hit += own_displacement(position + to_hit, SAME_HIT * length(to_hit));
+    }
+    let of_image = last_pixel(position + share * mirrored(to_hit, normal));
 #endif
-    let of_image = view.last_pixel_from_view * vec4(behind, 1.0);
-    let of_mirror = view.last_pixel_from_view * vec4(position, 1.0);
-    let moved = of_image.xy / of_image.w - of_mirror.xy / of_mirror.w;
-    let is_small = min(of_image.w, of_mirror.w) > 0.0 && dot(moved, moved) < MOST_MOVED * MOST_MOVED;
-    return select(vec2(0.0), moved, image > 0.0 && is_small);
+    var moved = of_image.xy / of_image.w - mirror_at_rest;
+#ifdef PROJECTION_PERSPECTIVE
+    // In the view space of a mirror that moves with the camera, the world moves instead.
+    let path = with_view(seen) - mirror_at_rest;
+    if view.has_motion != 0u && dot(path, path) > CARRIED_FROM * CARRIED_FROM {
+        let carried = saturate(dot(at - mirror_at_rest, path) / dot(path, path));
+        if carried > LEAST_CARRIED {
+            let last = last_view_position(position + to_hit) - position;
+            let pixel = homogeneous_pixel(position + share * mirrored(last, normal), 1.0);
+            moved = mix(moved, pixel.xy / pixel.w - seen, carried);
+        }
+    }
+#endif
+    return select(vec2(0.0), moved, image > 0.0 && min(of_image.w, of_mirror.w) > 0.0);
 }
 
-/// Place in the last frame of the lobe of a texel, whose ray begins at a pixel. `slope` is that of depth per pixel, and `image` the
-/// distance to the mirror image, seen straight through the mirror.
+/// Place in the last frame of the lobe of a texel, whose ray begins at a pixel. `slope` is that of depth per pixel, `image` the
+/// distance to the mirror image, seen straight through the mirror, and `radius` that of the lobe, in pixels. `moves`: rays hit something
+/// that moves on its own.
 fn last_lobe_place(
     texel: vec2<i32>,
     pixel: vec2<i32>,
     depth: f32,
     slope: vec2<f32>,
+    normal: vec3<f32>,
     roughness: f32,
     image: f32,
+    radius: f32,
+    moves: bool,
 ) -> LobePlace {
     let seen = vec3(vec2<f32>(pixel) + 0.5, depth);
     let position = view_position(seen.xy, depth);
     let offset = vec2<f32>(pixel - texel * view.divisor) + 0.5;
-    let moved = moved_image(position, roughness, image);
-    let shifted = seen + vec3(moved, dot(slope, moved));
-    var lobe = lobe_place(last_place(shifted, view_position(shifted.xy, shifted.z)), offset);
-    if !lobe.is_known && any(moved != vec2(0.0)) {
-        lobe = lobe_place(last_place(seen, position), offset);
+    var moved = vec2(0.0);
+    if view.carries_surfaces != 0u || moves {
+        moved = moved_image(last_place(seen, position).at, seen.xy, position, normal, roughness, image, moves);
+    }
+    let pixels = length(moved);
+    // If the image moved by less than the lobe's width, the lobe without that motion is close enough.
+    let tries = select(1, 2, pixels > 0.0 && pixels < 0.5 * radius);
+    var lobe: LobePlace;
+    var own = 0.0;
+    for (var i = 0; i < tries && !lobe.is_known && pixels < MOST_MOVED; i++) {
+        let shifted = seen + vec3(moved, dot(slope, moved));
+        let place = last_place(shifted, view_position(shifted.xy, shifted.z));
+        lobe = lobe_place(place, offset);
+        own = place.own;
+        moved = vec2(0.0);
     }
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
         lobe = lobe_place(carried_place(seen, position), offset);
     }
+    lobe.limit = select(clamp(OF_SLOW * radius / pixels, OF_IMAGES, UNLIMITED), UNLIMITED, pixels == 0.0);
+    lobe.limit = select(lobe.limit, OF_MOVERS, own > LEAST_OWN);
     return lobe;
 }
 
@@ -101,6 +209,7 @@ fn mean_lobes(kept: array<vec4<u32>, 4>, weights: vec4<f32>) -> vec4<u32> {
             let word = texels[i].w;
             sum += weights[i] * unpack_lobe(texels[i][age], word, age);
             known += select(0.0, weights[i], (word & (KNOWN << age)) != 0u);
+            lobes.w |= word & (MOVED << age);
         }
         if known > 0.0 {
             let lobe = sum / known;
@@ -122,11 +231,17 @@ fn exposed(lobes: vec4<u32>) -> vec4<u32> {
     return now;
 }
 
-/// `last` with the `lobe` of this frame: light times confidence, and confidence. The oldest one is dropped.
-fn with_lobe(last: vec4<u32>, lobe: vec4<f32>) -> vec4<u32> {
+/// `last` with the `lobe` of this frame: light times confidence, and confidence. `bits` are its `KNOWN` and `MOVED`. The oldest one is
+/// dropped.
+fn with_lobe(last: vec4<u32>, lobe: vec4<f32>, bits: u32) -> vec4<u32> {
     let confidences = u32(saturate(lobe.a) * 255.0 + 0.5) | ((last.w & 0xffffu) << 8u);
-    let known = KNOWN | ((last.w & (3u * KNOWN)) << 1u);
-    return vec4(pack_light(lobe.rgb), last.xy, confidences | known);
+    let older = (last.w & (3u * (KNOWN | MOVED))) << 1u;
+    return vec4(pack_light(lobe.rgb), last.xy, confidences | older | bits);
+}
+
+/// True if one of the lobes shows something that moved on its own. `lobes` has that of this frame.
+fn has_moved(last: vec4<u32>, lobes: vec4<u32>) -> bool {
+    return ((lobes.w & (7u * MOVED)) | (last.w & (4u * MOVED))) != 0u;
 }
 
 /// Lobe of age `i` of a texel's; 0 if it is not known.
@@ -135,10 +250,22 @@ fn unpack_lobe(light: u32, word: u32, i: u32) -> vec4<f32> {
     return select(vec4(0.0), lobe, (word & (KNOWN << i)) != 0u);
 }
 
-/// Mean of the lobes of the last frames and of this one, which `lobes` has already.
-fn mean_lobe(last: vec4<u32>, lobes: vec4<u32>) -> vec4<f32> {
+/// The same, with a difference from `now` of at most `most`, summed over its components.
+fn lobe_near(light: u32, word: u32, i: u32, now: vec4<f32>, most: f32) -> vec4<f32> {
+    let lobe = unpack_lobe(light, word, i);
+    let off = abs(lobe - now);
+    let sum = off.r + off.g + off.b + off.a;
+    let is_far = sum > most && (word & (KNOWN << i)) != 0u;
+    return select(lobe, now + (lobe - now) * (most / max(sum, 1e-12)), is_far);
+}
+
+/// Mean of the lobes of the last frames and of this one, which `lobes` has already. Those of the last frames differ from it by at most
+/// `most`.
+fn mean_lobe(last: vec4<u32>, lobes: vec4<u32>, most: f32) -> vec4<f32> {
+    let now = unpack_lobe(lobes.x, lobes.w, 0u);
     // Phases of even and of odd frames: the sum does not depend on which of them is this frame's.
-    let even = unpack_lobe(lobes.x, lobes.w, 0u) + unpack_lobe(lobes.z, lobes.w, 2u);
-    let odd = unpack_lobe(lobes.y, lobes.w, 1u) + unpack_lobe(last.z, last.w, 2u);
-    return (even + odd) / f32(countOneBits((lobes.w >> 24u) | ((last.w & (4u * KNOWN)) >> 23u)));
+    let even = now + lobe_near(lobes.z, lobes.w, 2u, now, most);
+    let odd = lobe_near(lobes.y, lobes.w, 1u, now, most) + lobe_near(last.z, last.w, 2u, now, most);
+    let count = countOneBits((lobes.w & (7u * KNOWN)) | ((last.w & (4u * KNOWN)) << 1u));
+    return (even + odd) / f32(max(count, 1u));
 }

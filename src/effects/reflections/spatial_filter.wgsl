@@ -2,14 +2,16 @@
 // lobe (after Stachowiak 2015, "Stochastic Screen-Space Reflections"). Weights fall off linearly, within a radius of up to four texels:
 // then the four directions along each axis weigh alike, and light moves smoothly from ray to ray. The radius is smaller where the lobe
 // is. On smooth surfaces, whose rays scatter only where the lobe is wider than two texels, the weights also follow the lobe's own shape.
-// Lobes with rays that change from frame to frame are the mean of four frames.
+// Lobes with rays that change from frame to frame are the mean of four frames. While mirror images move, the last three are clamped to
+// the neighbourhood of this frame's.
 #import bevy_lean_deferred::gbuffer::layout::{light::unpack_halves, unpack_roughness}
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    CHANGES, filtered_output, lobes_output, surfaces_texture, to_viewer, unpack_begin, unpack_distance, view,
+    CHANGES, MOVES, filtered_output, lobes_output, surfaces_texture, to_viewer, unpack_begin, unpack_distance, view,
     view_position,
 }
 #import bevy_lean_deferred::effects::reflections::lobes::{
-    EXACT, exposed, last_lobe_place, lobes_at, mean_lobe, mean_lobes, with_lobe,
+    EXACT, KNOWN, MOVED, OF_MOVERS, UNLIMITED, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
+    with_lobe,
 }
 #import bevy_lean_deferred::effects::reflections::receiver::lobe_width
 #import bevy_lean_deferred::effects::reflections::surface::{ROUGH, rotated}
@@ -31,7 +33,7 @@ const ROW: i32 = 2 * RIM + 1;
 const OF_NARROW: f32 = 4.36;
 
 /// Sum `i` over the hits of seven texels in a row, packed like a hit: of the distances to mirror images, and in the lower bits, how many
-/// there are, and `CHANGES` if a ray does.
+/// there are, and `CHANGES` and `MOVES` if a ray does.
 fn row_sum(i: u32) -> u32 {
     var texel = i / u32(MADE) * u32(CACHE_SIDE) + i % u32(MADE);
     var sum = 0.0;
@@ -42,10 +44,10 @@ fn row_sum(i: u32) -> u32 {
         bits |= hit;
         let image = unpack_distance(hit);
         sum += image;
-        count += select(0u, 2u, image > 0.0);
+        count += select(0u, 4u, image > 0.0);
         texel++;
     }
-    return (bitcast<u32>(sum) & 0xffffff00u) | count | (bits & CHANGES);
+    return (bitcast<u32>(sum) & 0xffffff00u) | count | (bits & (CHANGES | MOVES));
 }
 
 /// Rows of seven texels in a workgroup.
@@ -55,8 +57,8 @@ const ROWS: u32 = u32(MADE * CACHE_SIDE);
 struct Around {
     /// Mean distance to the mirror images that they hit; 0 without any.
     image: f32,
-    /// `CHANGES` if one of them does.
-    changes: u32,
+    /// `CHANGES` and `MOVES` if one of them does, among other bits.
+    bits: u32,
 }
 
 /// Rays around texel `i` of those that the workgroup makes. `hits` has the sums of rows.
@@ -68,9 +70,42 @@ fn around_of(i: u32) -> Around {
         let row = hits[i + y * u32(MADE)];
         bits |= row;
         sum += unpack_distance(row);
-        count += (row >> 1u) & 7u;
+        count += (row >> 2u) & 7u;
     }
-    return Around(sum / f32(max(count, 1u)), bits & CHANGES);
+    return Around(sum / f32(max(count, 1u)), bits);
+}
+
+/// Index, relative to a texel's, of the first of the 4×4 rays around it, which take all directions.
+const FIRST_OF_LOBE: i32 = -2 * (1 + CACHE_SIDE);
+
+/// Mean distance to the mirror images that the rays around a texel hit, weighted by their light; 0 without any. Lobes that move show
+/// errors where they are bright.
+fn bright_image(texel: i32) -> f32 {
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var i = 0; i < 16; i++) {
+        let ray = texel + FIRST_OF_LOBE + (i & 3) + CACHE_SIDE * (i >> 2u);
+        let light = unpack_halves(lights[ray]);
+        let weight = light.r + light.g + light.b;
+        sum += weight * unpack_distance(hits[ray]);
+        weights += weight;
+    }
+    return sum / max(weights, 1e-6);
+}
+
+/// Mean difference, summed over its components, of the rays around a texel from their mean, `light`. Weights fall off linearly, within
+/// three texels: equal ones would show squares around bright rays.
+fn difference_around(texel: i32, light: vec4<f32>) -> f32 {
+    var sum = 0.0;
+    for (var y = -2; y <= 2; y++) {
+        var row = 0.0;
+        for (var x = -2; x <= 2; x++) {
+            let off = abs(unpack_halves(lights[texel + x + CACHE_SIDE * y]) - light);
+            row += f32(3 - abs(x)) * (off.r + off.g + off.b + off.a);
+        }
+        sum += f32(3 - abs(y)) * row;
+    }
+    return sum / 81.0;
 }
 
 /// 1 / the squared radius, in texels, of the lobe whose product with the linear weights is as wide at half maximum as a lobe of this
@@ -94,10 +129,18 @@ fn slopes_of(normal: vec3<f32>, position: vec3<f32>, radius: f32) -> vec3<f32> {
     return vec3(more.x * axis.x + across, more.x * axis.y, more.y * axis.y + across);
 }
 
-/// Light times confidence, and confidence, of the rays around a texel, whose surface is at `position`.
-fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<f32> {
+/// Lobe of a texel in this frame.
+struct Lobe {
+    /// Light times confidence, and confidence.
+    light: vec4<f32>,
+    /// False if all of its light is unknown.
+    is_known: bool,
+}
+
+/// Mean of the rays around a texel, whose surface is at `position`.
+fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> Lobe {
     if image == 0.0 {
-        return vec4(0.0);
+        return Lobe(vec4(0.0), true);
     }
     let depth = depths[texel];
     let normal = unpack_halves(normals[texel]).xyz;
@@ -151,27 +194,40 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> vec4<
         }
         middle += CACHE_SIDE;
     }
-    return sum / max(weights, 1e-6);
+    return Lobe(sum / max(weights, 1e-6), weights > 1e-4);
+}
+
+/// Lobes of the last frames.
+struct LastLobes {
+    lobes: vec4<u32>,
+    /// Limit of their difference from this frame's lobe: see `OF_IMAGES`.
+    limit: f32,
 }
 
 /// The lobes of the last frames of the surface of texel `made`, whose ray begins at `pixel`.
-fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, image: f32) -> vec4<u32> {
+fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, image: f32, moves: bool) -> LastLobes {
     let depth = depths[made];
     let slope = slope_at(made);
-    let place = last_lobe_place(texel, pixel, depth, slope / f32(view.divisor), roughness, image);
+    let normal = unpack_halves(normals[made]).xyz;
+    let to_mirror = length(view_position(vec2<f32>(pixel) + 0.5, depth));
+    let radius = roughness * roughness * lobe_width(max(image - to_mirror, 0.0), image);
+    let place = last_lobe_place(
+        texel, pixel, depth, slope / f32(view.divisor), rotated(normal), roughness, image, radius, moves,
+    );
+    var last = LastLobes(vec4(0u), place.limit);
     if !place.is_known {
-        return vec4(0u);
+        return last;
     }
     let nearest = floor(place.at + 0.5);
     let off = place.at - nearest;
     if all(abs(off) < vec2(EXACT)) {
-        return exposed(lobes_at(nearest));
+        last.lobes = exposed(lobes_at(nearest));
+        return last;
     }
     // Interpolated, so that no seams appear where the nearest texel changes. This frame's neighbours stand for those of the last one.
     let side = sign(off);
     let along = i32(side.x);
     let down = CACHE_SIDE * i32(side.y);
-    let normal = unpack_halves(normals[made]).xyz;
     let inverse_step = inverse_step_at(depth);
     let alike = vec4(
         1.0,
@@ -187,7 +243,8 @@ fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, ima
     );
     let far = abs(off);
     let near = 1.0 - far;
-    return exposed(mean_lobes(kept, vec4(near.x, far.x, near.x, far.x) * vec4(near.yy, far.yy) * alike));
+    last.lobes = exposed(mean_lobes(kept, vec4(near.x, far.x, near.x, far.x) * vec4(near.yy, far.yy) * alike));
+    return last;
 }
 
 @compute @workgroup_size(INVOCATIONS, 1, 1)
@@ -206,14 +263,19 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     // In place of the hits, which nothing else reads.
     let sums = vec2(row_sum(invocation), row_sum(min(invocation + u32(INVOCATIONS), ROWS - 1u)));
+    let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
+    let made = place.x + CACHE_SIDE * place.y + FIRST_MADE;
+    // Only used while the camera moves.
+    var bright = 0.0;
+    if view.carries_surfaces != 0u {
+        bright = bright_image(made);
+    }
     workgroupBarrier();
     hits[invocation] = sums.x;
     if invocation + u32(INVOCATIONS) < ROWS {
         hits[invocation + u32(INVOCATIONS)] = sums.y;
     }
     workgroupBarrier();
-    let place = vec2<i32>(vec2(invocation % u32(MADE), invocation / u32(MADE)));
-    let made = place.x + CACHE_SIDE * place.y + FIRST_MADE;
     let depth = depths[made];
     // Other texels are not read.
     if depth > 0.0 {
@@ -222,15 +284,24 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         let around = around_of(invocation);
         let roughness = unpack_roughness(textureLoad(surfaces_texture, texel, 0).r);
         // Requested before the rays are averaged, and awaited after.
-        var last = vec4(0u);
-        if around.changes != 0u && view.has_lobes != 0u && view.exposure_ratio != 0.0 {
-            last = last_lobes(made, texel, pixel, roughness, around.image);
+        let changes = (around.bits & CHANGES) != 0u;
+        let moves = (around.bits & MOVES) != 0u;
+        var last = LastLobes(vec4(0u), UNLIMITED);
+        if changes && view.has_lobes != 0u && view.exposure_ratio != 0.0 {
+            last = last_lobes(made, texel, pixel, roughness, select(around.image, bright, bright > 0.0), moves);
         }
-        var lobe = lobe_at(made, roughness, around.image, view_position(vec2<f32>(pixel) + 0.5, depth));
+        let now = lobe_at(made, roughness, around.image, view_position(vec2<f32>(pixel) + 0.5, depth));
+        var lobe = now.light;
         var lobes = vec4(0u);
-        if around.changes != 0u {
-            lobes = with_lobe(last, lobe);
-            lobe = mean_lobe(last, lobes);
+        if changes {
+            let bits = select(0u, KNOWN, now.is_known) | select(0u, MOVED, moves);
+            lobes = with_lobe(last.lobes, lobe, bits);
+            let limit = select(last.limit, OF_MOVERS, has_moved(last.lobes, lobes));
+            var most = 1e9;
+            if now.is_known && limit < UNLIMITED {
+                most = limit * difference_around(made, lobe);
+            }
+            lobe = mean_lobe(last.lobes, lobes, most);
         }
         textureStore(lobes_output, texel, lobes);
         textureStore(filtered_output, texel, lobe);

@@ -105,6 +105,8 @@ struct LastPlace {
     expected: vec2<f32>,
     /// Metres within which it is the same surface.
     tolerance: f32,
+    /// Pixels by which it moved on its own; 0 without motion vectors.
+    own: f32,
 }
 
 /// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
@@ -136,10 +138,15 @@ fn with_view(pixel: vec2<f32>) -> vec2<f32> {
     return pixel / vec2<f32>(view.viewport_size) * view.last_viewport_size;
 }
 
+/// Motion of a pixel since the last frame, as a share of the picture.
+fn motion_at(pixel: vec2<i32>) -> vec2<f32> {
+    return textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
+}
+
 /// Place in the last frame of a surface at `place` (pixels and depth) and `position` (view space) that moved with the camera.
 fn carried_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
     let distance = -position.z;
-    return LastPlace(with_view(place.xy), vec2(distance), step_at(distance, SAME_SURFACE));
+    return LastPlace(with_view(place.xy), vec2(distance), step_at(distance, SAME_SURFACE), 0.0);
 }
 
 /// Place in the last frame of the surface at `place` (pixels and depth) and `position` (view space).
@@ -155,24 +162,59 @@ fn last_place(place: vec3<f32>, position: vec3<f32>) -> LastPlace {
     var at = at_rest;
     var expected = vec2(distance_at_rest);
     var metres = step_at(distance_at_rest, SAME_SURFACE);
+    var own = 0.0;
     if view.has_motion != 0u {
         let pixel = clamp(vec2<i32>(place.xy), vec2(0), vec2<i32>(view.viewport_size) - 1);
-        let motion = textureLoad(motion_texture, vec2<i32>(view.viewport_origin) + pixel, 0).rg;
-        at = carried - motion * view.last_viewport_size;
+        at = carried - motion_at(pixel) * view.last_viewport_size;
         expected = vec2(select(distance, distance_at_rest, was_in_front), distance);
         // A surface that moves on its own may also come nearer or move away: by less than `thickness`, which is twice the tolerance.
-        let own = DEEP_PER_PIXEL * own_motion(at, at_rest, carried);
-        metres = step_at(distance, SAME_SURFACE + own) + 0.5 * view.thickness;
+        own = own_motion(at, at_rest, carried);
+        metres = step_at(distance, SAME_SURFACE + DEEP_PER_PIXEL * own) + 0.5 * view.thickness;
     }
     // At rest, surfaces that were behind the camera are outside of the view: `at` is negative.
-    return LastPlace(at, expected, metres);
+    return LastPlace(at, expected, metres, own);
+}
+
+/// Pixels per frame from which on a surface counts as moving on its own. Motion vectors are rounded.
+const LEAST_OWN: f32 = 0.25;
+
+/// True for a surface that moves on its own.
+fn moves_itself(place: vec3<f32>, position: vec3<f32>) -> bool {
+    return last_place(place, position).own > LEAST_OWN;
+}
+
+/// Stand-ins for a place of a surface that the last frame did not show.
+const STAND_INS: i32 = 3;
+
+/// Pixels up to which the tolerance of a stand-in's depth grows with its distance on screen.
+const FAR: f32 = 8.0;
+
+/// Stand-in `i`: another place at the same depth, along the motion of the surface on screen. Its distance from the place, relative to
+/// that motion, is 1 behind an edge that moves faster than the surface, -1 (the same pixel) behind one that moves more slowly, or 4,
+/// beyond a narrow thing. `own` is its distance from the place, in pixels.
+fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
+    let motion = last.at - with_view(place.xy);
+    let multiple = select(select(4.0, -1.0, i == 1), 1.0, i == 0);
+    let at = clamp(last.at + multiple * motion, vec2(0.5), view.last_viewport_size - 0.5);
+    let far = distance(at, last.at);
+    let deeper = step_at(last.expected.y, DEEP_PER_PIXEL * min(far, FAR));
+    return LastPlace(at, last.expected, last.tolerance + deeper, far);
 }
 
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
 /// which that frame showed it. `level` is that of the history.
 fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
-    var light = kept_light(last_place(place, position), level);
-    if view.has_motion == 0u && view.carries_surfaces != 0u && light.w < 1.0 {
+    let last = last_place(place, position);
+    var light = kept_light(last, level);
+    if view.has_motion != 0u {
+        for (var i = 0; i < STAND_INS && light.w < 1.0; i++) {
+            let other = stand_in(last, place, i);
+            var found = kept_light(other, level);
+            // At rest it is the same place.
+            found.w *= saturate(other.own);
+            light = filled_up(light, found);
+        }
+    } else if view.carries_surfaces != 0u && light.w < 1.0 {
         light = filled_up(light, kept_light(carried_place(place, position), level));
     }
     return light;

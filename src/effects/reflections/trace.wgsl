@@ -6,7 +6,8 @@
 #import bevy_lean_deferred::horizon::tangents
 #import bevy_lean_deferred::pattern::rotation_index
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    depth_in_view, hits_output, pack_begin, pack_hit, place_in_texel, rays_output, surfaces_output, to_viewer, view, view_position,
+    CHANGES, MOVES, depth_in_view, hits_output, pack_begin, pack_hit, place_in_texel, rays_output, surfaces_output,
+    to_viewer, view, view_position,
 }
 #import bevy_lean_deferred::effects::reflections::lobes::shift_of
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
@@ -14,7 +15,7 @@
 #import bevy_lean_deferred::effects::reflections::rough_march
 #import bevy_lean_deferred::effects::reflections::smooth_march::{Path, march as march_smooth}
 #import bevy_lean_deferred::effects::reflections::surface::{
-    Mirror, ROUGH, mirror_of, normal_word_at, rotated, smoothness, with_roughness,
+    Mirror, ROUGH, mirror_of, moves_itself, normal_word_at, rotated, smoothness, with_roughness,
 }
 #import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
 #import bevy_lean_deferred::tiles::pixel_in_view
@@ -121,7 +122,8 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
     let begin = select(0.0, together, is_scattered && !is_rough);
     let ray = path.ray;
     let weight = select(1.0, sample.weight, is_scattered);
-    result.hit = pack_hit(0.0, weight, is_scattered);
+    let changes = select(0u, CHANGES, is_scattered);
+    result.hit = pack_hit(0.0, weight, changes);
     if weight == 0.0 {
         return result;
     }
@@ -155,7 +157,10 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
     let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(view.divisor));
     let level = 0.5 * log2(max(max(share, select(texel_wide * texel_wide, 1.0, is_rough)), 1.0));
     let seen = mirrored_light(hit.place, hit_position, level, to_mirror, metres);
-    let confidence = seen.w * hit.certainty * rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
+    // Lobes leave out scattered rays whose light the last frame did not show: others of the lobe stand for it better than the sky.
+    let known = select(1.0, seen.w, is_scattered);
+    let rim = rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
+    let confidence = select(seen.w, 1.0, is_scattered) * hit.certainty * rim;
     if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
         return result;
     }
@@ -165,7 +170,8 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
 #else
     let image = to_mirror + metres;
 #endif
-    result.hit = pack_hit(max(image, 1e-6), weight, is_scattered);
+    let moves = select(0u, MOVES, moves_itself(hit.place, hit_position));
+    result.hit = pack_hit(max(image, 1e-6), weight * known, changes | moves);
     return result;
 }
 
