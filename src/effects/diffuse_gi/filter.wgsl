@@ -1,6 +1,7 @@
-// Filters gathered light: weighted means of blocks of 4×4 texels, whose slices cover all directions of the pattern, without texels of
-// other surfaces. The weights are continuous, so that no blocks are visible. Where few of the directions have most of the light, as
-// beside a small lamp, more blocks count. Where fewer blocks are on the surface, the mean of the 4×4 texels around.
+// Filters gathered light: weighted means of blocks of 4×4 texels, without those of other surfaces. Slices of each block cover the
+// hemisphere evenly, and those of 2×2 neighbouring blocks lie between each other. Whatever the texel, its weights of every second
+// block, along either axis, sum to half of all, and are continuous: neither blocks nor their differences are visible. Where fewer
+// blocks are on the surface, a narrower mean; at its edges that of the 4×4 texels around.
 #import bevy_lean_deferred::gbuffer::layout::light::{LARGEST_HALF, pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
@@ -12,36 +13,35 @@
 const SIDE: u32 = 16u;
 /// Invocations of a workgroup.
 const STRIDE: u32 = 256u;
-/// Side of a block: of the pattern, so that each block has all directions.
+/// Side of a block.
 const BLOCK: u32 = 4u;
-/// Blocks of the workgroup's texels and one more on either side: along an axis of the first grid, and of the second one, which begins
-/// half a block before.
-const FIRST_SIDE: u32 = 6u;
-const SECOND_SIDE: u32 = 7u;
-const FIRST_COUNT: u32 = FIRST_SIDE * FIRST_SIDE;
-const BLOCK_COUNT: u32 = FIRST_COUNT + SECOND_SIDE * SECOND_SIDE;
+/// Blocks in a row: those of the workgroup's texels, and two more on either side.
+const BLOCKS: u32 = 8u;
+const BLOCK_COUNT: u32 = BLOCKS * BLOCKS;
 /// Texels of the blocks before those of the workgroup, and the side of all.
-const MARGIN: u32 = 6u;
-const CACHE_SIDE: u32 = SECOND_SIDE * BLOCK;
+const MARGIN: u32 = 2u * BLOCK;
+const CACHE_SIDE: u32 = BLOCKS * BLOCK;
 
-/// Gathered light, as halves, and depths. CACHE_SIDE² texels.
-var<workgroup> light: array<vec2<u32>, 784>;
-var<workgroup> depths: array<f32, 784>;
-/// Means of the blocks. x: the depth for which they hold; y: mean of the squares of `total`.
-var<workgroup> block_light: array<vec4<f32>, BLOCK_COUNT>;
-var<workgroup> block_depths: array<vec2<f32>, BLOCK_COUNT>;
+/// Gathered light, as halves, and depths. CACHE_SIDE² texels. Means of the blocks then take the place of the first texels' light:
+/// shared memory for both would leave room for fewer workgroups.
+var<workgroup> light: array<vec2<u32>, 1024>;
+var<workgroup> depths: array<f32, 1024>;
 
 /// Depth of texels without a surface: none is near to it.
 const NO_SURFACE: f32 = -1e9;
-/// Squared coefficients of variation of the texels' light from which on the wide mean counts, and counts alone. Of sixteen texels of
-/// which one to eight see a lamp, it is 15 to 1.
+/// Squared coefficients of variation of the light of 4×4 texels from which on blocks further away count beside an edge, and count in
+/// full. Of sixteen texels of which one to eight see a lamp, it is 15 to 1.
 const SPARSE: f32 = 0.5;
 const SPARSEST: f32 = 1.5;
-/// Weight of the blocks on the surface, at most 1 per grid, from which on the wide mean counts in full.
-const ENOUGH: f32 = 0.5;
-/// Share of a texel's tolerance in depth that blocks have. They are up to eight texels away, where the other face of an edge is still
+/// Of the 4×4 texels, those on the surface: blocks further away begin to count below the first number, and count in full below the
+/// second.
+const MOST_TEXELS: f32 = 16.0;
+const FEWEST_TEXELS: f32 = 8.0;
+/// Weight of the blocks on the surface, at most 1, from which on they may take the place of the texels in full.
+const ENOUGH: f32 = 1.0 / 16.0;
+/// Share of a texel's tolerance in depth that blocks have. They are up to eleven texels away, where the other face of an edge is still
 /// within the whole of it.
-const OF_BLOCKS: f32 = 1.0 / 16.0;
+const OF_BLOCKS: f32 = 1.0 / 8.0;
 
 fn total(color: vec3<f32>) -> f32 {
     return color.r + color.g + color.b;
@@ -69,7 +69,7 @@ fn weight_on(plane: Plane, depth: f32, offset: vec2<f32>) -> f32 {
     return saturate(2.0 - abs(depth - expected) * plane.inverse_step);
 }
 
-/// Weighted sums over texels or blocks.
+/// Weighted sums over texels.
 struct Sums {
     light: vec4<f32>,
     /// Of `total`.
@@ -98,64 +98,86 @@ fn block_sums(plane: Plane, center: u32) -> Sums {
     return sums;
 }
 
-/// Sums over the blocks around a texel.
+/// Weighted sums over the blocks around a texel.
 struct Around {
-    /// Of the nearest 2×2 blocks of each grid.
-    near: Sums,
     /// Of the nearest 3×3.
-    wide: Sums,
+    near: vec4<f32>,
+    near_weights: f32,
+    /// Of the nearest 5×5.
+    wide: vec4<f32>,
+    wide_weights: f32,
 }
 
-/// Weights of three blocks in a row for a texel at `part` of the middle one, 0 to 1: continuous across blocks, so that neighbours are
-/// alike.
-fn wide_weights(part: f32) -> array<f32, 3> {
+/// Weights of three blocks in a row for a texel at `part` of the middle one, 0 to 1: the blocks as steps, averaged over the width of
+/// two.
+fn near_weights(part: f32) -> array<f32, 3> {
     return array<f32, 3>(0.5 * (1.0 - part), 0.5, 0.5 * part);
 }
 
-/// The same of the nearest two: linear between the middles of blocks.
-fn near_weights(part: f32) -> array<f32, 3> {
-    return array<f32, 3>(saturate(0.5 - part), 1.0 - abs(part - 0.5), saturate(part - 0.5));
+/// Share below `x` of a triangle of area 1 from -2 to 2.
+fn below(x: f32) -> f32 {
+    let rest = 2.0 - min(abs(x), 2.0);
+    let tail = 0.125 * rest * rest;
+    return select(tail, 1.0 - tail, x > 0.0);
 }
 
-/// Adds the blocks of a grid around a texel, which is at `place` there. `first` and `side`: index of the grid's first block, and
-/// blocks in a row.
-fn add_blocks(around: ptr<function, Around>, plane: Plane, place: vec2<u32>, first: u32, side: u32) {
-    let corner = first + place.x / BLOCK + side * (place.y / BLOCK);
+/// The same of five blocks: averaged over the width of two, twice.
+fn wide_weights(part: f32) -> array<f32, 5> {
+    let edges = vec4(below(-1.0 - part), below(-part), below(1.0 - part), below(2.0 - part));
+    return array<f32, 5>(edges.x, edges.y - edges.x, edges.z - edges.y, edges.w - edges.z, 1.0 - edges.w);
+}
+
+/// Sums over the blocks around a texel, which is at `place` of the workgroup.
+fn sums_around(plane: Plane, place: vec2<u32>) -> Around {
+    let corner = place / BLOCK;
+    let first_block = corner.x + BLOCKS * corner.y;
+    // A block has the depth of its second texel along both axes.
+    let first_depth = BLOCK * (corner.x + CACHE_SIDE * corner.y) + 1u + CACHE_SIDE;
     let inner = vec2<f32>(place % BLOCK);
+    let at_first = Plane(
+        plane.depth - dot(plane.slope, inner + f32(2u * BLOCK - 1u)), plane.slope, plane.inverse_step / OF_BLOCKS,
+    );
     let part = (inner + 0.5) / f32(BLOCK);
     let wide_x = wide_weights(part.x);
     let wide_y = wide_weights(part.y);
     let near_x = near_weights(part.x);
     let near_y = near_weights(part.y);
-    // The texel of the first of the blocks that has its depth: the second along both axes.
-    let at_corner = Plane(
-        plane.depth - dot(plane.slope, inner + f32(BLOCK - 1u)), plane.slope, plane.inverse_step / OF_BLOCKS,
-    );
-    for (var y = 0u; y < 3u; y++) {
-        for (var x = 0u; x < 3u; x++) {
-            let block = corner + (x + side * y);
-            let of_block = block_depths[block];
-            let light = block_light[block];
-            let alike = weight_on(at_corner, of_block.x, f32(BLOCK) * vec2(f32(x), f32(y)));
-            let near = near_x[x] * near_y[y] * alike;
-            (*around).near.light += light * near;
-            (*around).near.weights += near;
+    var around = Around(vec4(0.0), 1e-6, vec4(0.0), 1e-6);
+    for (var y = 0u; y < 5u; y++) {
+        for (var x = 0u; x < 5u; x++) {
+            let of_block = unpack_halves(light[first_block + (x + BLOCKS * y)]);
+            let depth = depths[first_depth + BLOCK * (x + CACHE_SIDE * y)];
+            let alike = weight_on(at_first, depth, f32(BLOCK) * vec2(f32(x), f32(y)));
             let wide = wide_x[x] * wide_y[y] * alike;
-            (*around).wide.light += light * wide;
-            (*around).wide.squares += of_block.y * wide;
-            (*around).wide.weights += wide;
+            around.wide += of_block * wide;
+            around.wide_weights += wide;
+            if x > 0u && x < 4u && y > 0u && y < 4u {
+                let near = near_x[x - 1u] * near_y[y - 1u] * alike;
+                around.near += of_block * near;
+                around.near_weights += near;
+            }
         }
     }
+    return around;
 }
 
-/// First texel of a block.
-fn place_of_block(block: u32) -> vec2<u32> {
-    let second = block - FIRST_COUNT;
-    return select(
-        BLOCK * vec2(second % SECOND_SIDE, second / SECOND_SIDE),
-        BLOCK * vec2(block % FIRST_SIDE, block / FIRST_SIDE) + BLOCK / 2u,
-        block < FIRST_COUNT,
-    );
+/// Light of a texel at `place` of the workgroup, on this plane, whose index is `center`.
+fn filtered(plane: Plane, place: vec2<u32>, center: u32) -> vec4<f32> {
+    let around = sums_around(plane, place);
+    var narrower = around.near / around.near_weights;
+    let near_share = saturate(2.0 * around.near_weights - 1.0);
+    if near_share < 1.0 {
+        let own = block_sums(plane, center);
+        let mean = own.light / own.weights;
+        let brightness = total(mean.rgb);
+        let variation = own.squares / own.weights / max(brightness * brightness, 1e-12) - 1.0;
+        let is_sparse = saturate((variation - SPARSE) / (SPARSEST - SPARSE));
+        let is_small = saturate((MOST_TEXELS - own.weights) / (MOST_TEXELS - FEWEST_TEXELS));
+        let share = max(is_sparse, is_small) * saturate(around.near_weights / ENOUGH);
+        narrower = mix(mean, narrower, max(share, near_share));
+    }
+    let wide_share = saturate(4.0 * around.wide_weights - 3.0);
+    return mix(narrower, around.wide / around.wide_weights, wide_share);
 }
 
 @compute @workgroup_size(256, 1, 1)
@@ -172,17 +194,20 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     workgroupBarrier();
 
+    var mean_of_block = vec2(0u);
     if i < BLOCK_COUNT {
-        let block = place_of_block(i) + 1u;
-        let middle = block.x + CACHE_SIDE * block.y;
-        let on_block = plane_at(middle);
-        let sums = block_sums(on_block, middle);
-        block_light[i] = sums.light / sums.weights;
-        block_depths[i] = vec2(on_block.depth, sums.squares / sums.weights);
+        let second = BLOCK * vec2(i % BLOCKS, i / BLOCKS) + 1u;
+        let middle = second.x + CACHE_SIDE * second.y;
+        let sums = block_sums(plane_at(middle), middle);
+        mean_of_block = pack_halves(sums.light / sums.weights);
     }
     let place = vec2(i % SIDE, i / SIDE);
     let center = (place.x + MARGIN) + CACHE_SIDE * (place.y + MARGIN);
     let plane = plane_at(center);
+    workgroupBarrier();
+    if i < BLOCK_COUNT {
+        light[i] = mean_of_block;
+    }
     workgroupBarrier();
 
     let texel = workgroup.xy * SIDE + place;
@@ -191,21 +216,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     var found = vec4(0.0);
     if plane.depth > 0.0 {
-        var around = Around(EMPTY, EMPTY);
-        add_blocks(&around, plane, place, 0u, FIRST_SIDE);
-        add_blocks(&around, plane, place + BLOCK / 2u, FIRST_COUNT, SECOND_SIDE);
-        let wide = around.wide.light / around.wide.weights;
-        let brightness = total(wide.rgb);
-        let variation = around.wide.squares / around.wide.weights / max(brightness * brightness, 1e-12) - 1.0;
-        // Beside edges, where blocks are on one side of the texel only, their mean is of light further away.
-        let near_share = saturate(around.near.weights - 1.0);
-        var narrower = around.near.light / around.near.weights;
-        if near_share < 1.0 {
-            let own = block_sums(plane, center);
-            narrower = mix(own.light / own.weights, narrower, near_share);
-        }
-        let share = saturate((variation - SPARSE) / (SPARSEST - SPARSE)) * saturate(around.wide.weights / ENOUGH);
-        found = mix(narrower, wide, share);
+        found = filtered(plane, place, center);
     }
     // Clamp to the whole hemisphere.
     textureStore(output_texture, texel, found / max(found.a, 1.0));

@@ -237,8 +237,9 @@ fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
     let receiver = receiver_at(texel, ray, depth, position, to_viewer, geometric, view.radius * shrink);
 
     // Even in angle about the view direction, not on screen: perspective is exact off-centre too.
-    let turn_index = rotation_index(place);
-    let turn = PI * (f32(turn_index) + view.turn) / (16.0 * f32(SLICES));
+    // Of the angles between those of a block of 4×4 texels, each block has a quarter: 2×2 blocks have all.
+    let turn_index = 4u * rotation_index(place) + (rotation_index(vec2<u32>(texel) / 4u) >> 2u);
+    let turn = PI * (f32(turn_index) + view.turn) / (64.0 * f32(SLICES));
     // The first slice is along the first axis. Terms along both axes, of which the slices need few, take fewer registers than vectors.
     let basis = tangents(to_viewer) * mat2x2(cos(turn), sin(turn), -sin(turn), cos(turn));
     let slope = ray_slope(view.view_from_pixel, ray, position);
@@ -250,7 +251,7 @@ fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
     let lean = lean_of(geometric * basis, dot(geometric, to_viewer));
     var side: Side;
     // Steps are jittered too, in another order than directions.
-    var offset = fract((f32((turn_index * 7u) & 15u) + 0.5) / 16.0 + view.turn);
+    var offset = fract((f32((turn_index * 39u) & 63u) + 0.5) / 64.0 + view.turn);
     var found = vec4(0.0);
     for (var slice = 0u; slice < SLICES; slice++) {
         let angle = PI * f32(slice) / f32(SLICES);
@@ -285,7 +286,8 @@ fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
     return Gathered(start_of(receiver.texel), light);
 }
 
-/// Each workgroup gathers the texels of 32×32 that share directions, so that the invocations of a subgroup march in parallel.
+/// Each workgroup gathers the texels of 32×32 that are alike in a block of the pattern. Their directions are nearly the same, so that
+/// the invocations of a subgroup march in parallel.
 @compute @workgroup_size(64, 1, 1)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,

@@ -48,7 +48,7 @@ pub struct LeanScreenSpaceGi {
     pub radius: f32,
     /// Factor on the light, 0 to 1. Default 1, the physical amount.
     pub intensity: f32,
-    /// Samples per texel, as in the table above. Sixteen texels take different slices, which a filter averages. Default
+    /// Samples per texel, as in the table above. The texels of 8×8 take different slices, which a filter averages. Default
     /// [`LeanQuality::Medium`].
     pub quality: LeanQuality,
     /// Resolution at which light is gathered. Default [`LeanResolution::Half`].
