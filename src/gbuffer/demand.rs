@@ -270,7 +270,6 @@ impl ViewDemands {
         exist: impl Fn(&RetainedViewEntity) -> bool,
     ) {
         let mut of_dropped = Demand::default();
-        let mut drops = false;
         self.views.retain(|view, demand| {
             if active(view) {
                 return true;
@@ -278,12 +277,12 @@ impl ViewDemands {
             demand.forget_meshes();
             let is_kept = exist(view);
             if !is_kept {
-                drops = true;
                 of_dropped = of_dropped.union(union(demand.lingering.keys()));
             }
             is_kept
         });
-        if drops {
+        // A camera of a menu may have had no meshes.
+        if !of_dropped.is_empty() {
             self.of_dropped = of_dropped;
         }
     }
@@ -298,7 +297,7 @@ impl ViewDemands {
     }
 
     /// True if visible meshes of `view` scatter light beneath their surfaces, now or within the lingering time. A view
-    /// in its first frame is assumed to if any other does.
+    /// in its first frame is assumed to if any other does, or did.
     pub(crate) fn scatter(&self, view: RetainedViewEntity) -> bool {
         match self.views.get(&view) {
             Some(demand) => (demand.lingering.keys()).any(|demand| demand.variants.scatter()),
@@ -308,7 +307,7 @@ impl ViewDemands {
 
     /// Demand that `view`, drawn in this `order`, should meet in this frame, from the needs of its meshes up to the last
     /// one. `last` is its state in the last frame. For a view in its first frame the best guess is the demand of all other
-    /// views.
+    /// views, or of the last ones there were.
     pub(crate) fn wanted(
         &mut self,
         view: RetainedViewEntity,

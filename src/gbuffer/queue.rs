@@ -4,8 +4,6 @@
 //! needs ([`ChangedMeshes`]), when it was not ready before, and when its view changed in a way that concerns it.
 //! Otherwise its phase retains it.
 
-use alloc::sync::Arc;
-
 use bevy::{
     mesh::Mesh3d,
     pbr::{
@@ -18,7 +16,7 @@ use bevy::{
         camera::{DirtySpecializations, PendingQueues},
         render_phase::BinnedRenderPhaseType,
         render_resource::CachedRenderPipelineId,
-        sync_world::MainEntity,
+        sync_world::{MainEntity, MainEntityHashSet},
         view::{ExtractedView, RenderVisibleEntities, RetainedViewEntity},
     },
 };
@@ -40,7 +38,8 @@ use super::{
     phase::{GBufferPhases, GBufferViewPhases},
     phase_item::QueuedMesh,
     placement::{MeshOutput, Placement, ViewChange},
-    specialize::{GBufferPipeline, GBufferPipelines, instance_key},
+    specialize::{GBufferPipeline, GBufferPipelines, MeshKindKey, kind_key},
+    stand_in::StandIns,
 };
 use crate::view::{ActiveLeanView, GBufferTargets, LeanDeferred};
 
@@ -106,9 +105,11 @@ pub(super) fn queue_gbuffer_meshes(
     cameras: Query<&MainEntity, With<LeanDeferred>>,
     mut live_views: Local<HashSet<RetainedViewEntity>>,
     mut sorted: Local<HashMap<RetainedViewEntity, SortedView>>,
-    (mut concerned, mut kinds_for_forward): (
+    (mut concerned, mut sorted_now, mut kinds_for_forward, mut stand_ins): (
         Local<Vec<MainEntity>>,
-        Local<HashSet<(usize, usize, MeshPipelineKey)>>,
+        Local<MainEntityHashSet>,
+        Local<HashSet<MeshKindKey>>,
+        Local<StandIns>,
     ),
 ) {
     live_views.clear();
@@ -144,8 +145,11 @@ pub(super) fn queue_gbuffer_meshes(
         let sorted = sorted.entry(retained).or_default();
         let former = core::mem::replace(&mut sorted.active, active.copied());
         kinds_for_forward.clear();
+        stand_ins.clear();
         concerned.clear();
-        concerned.extend(changed.iter().chain(sorted.look_again.drain(..)));
+        sorted_now.clear();
+        let stood_in = core::mem::take(&mut sorted.look_again);
+        concerned.extend(changed.iter().chain(stood_in.iter().copied()));
         let shader_has_changed =
             (sorted.pipelines.iter()).any(|(id, state_then)| pipelines.state(*id) != *state_then);
         let mut sorter = Sorter {
@@ -158,9 +162,12 @@ pub(super) fn queue_gbuffer_meshes(
             bevy: bevy_phases.of(&retained),
             forward_pipelines: &mut forward_pipelines,
             kinds_for_forward: &mut kinds_for_forward,
+            stand_ins: &mut stand_ins,
             filter: pipeline_filter.of(retained, &bevy_pipelines),
             phases,
             pending: &mut pending.current_frame,
+            sorted: &mut sorted_now,
+            looked_at_again: &stood_in,
             look_again: &mut sorted.look_again,
             known_pipelines: &mut sorted.pipelines,
             demand: demands.of(retained),
@@ -229,6 +236,7 @@ pub(super) fn queue_gbuffer_meshes(
         sorter.prepare_next_targets(visible);
     }
     pipeline_filter.keep_only(&live_views);
+    forward_pipelines.keep_only(|view| live_views.contains(view));
     pending_queues.0.expire_stale_views(&live_views);
     forward_meshes.keep_only(|camera| live_views.iter().any(|view| view.main_entity == camera));
     left.keep_only(|view| live_views.contains(view));
@@ -244,7 +252,7 @@ pub(super) fn queue_gbuffer_meshes(
 pub(super) struct SortedView {
     active: Option<ActiveLeanView>,
     /// Meshes that need another pipeline in the next frame.
-    look_again: Vec<MainEntity>,
+    look_again: MainEntityHashSet,
     /// The pipelines and their states. After a shader change they are compiled again, and may newly fail or succeed.
     pipelines: HashMap<CachedRenderPipelineId, GBufferPipeline>,
 }
@@ -261,11 +269,16 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
     bevy: BevyViewPhases<'a>,
     pub(super) forward_pipelines: &'a mut ForwardPipelines,
     /// Kinds of meshes whose pipeline of Bevy's was asked for in this frame.
-    kinds_for_forward: &'a mut HashSet<(usize, usize, MeshPipelineKey)>,
+    kinds_for_forward: &'a mut HashSet<MeshKindKey>,
+    pub(super) stand_ins: &'a mut StandIns,
     filter: PipelineFilterWriter<'a>,
     phases: GBufferViewPhases<'a>,
     pending: &'a mut HashSet<(Entity, MainEntity)>,
-    look_again: &'a mut Vec<MainEntity>,
+    /// Meshes that were sorted in this frame.
+    sorted: &'a mut MainEntityHashSet,
+    /// Those of the last frame's `look_again`.
+    pub(super) looked_at_again: &'a MainEntityHashSet,
+    look_again: &'a mut MainEntityHashSet,
     known_pipelines: &'a mut HashMap<CachedRenderPipelineId, GBufferPipeline>,
     pub(super) demand: &'a mut ViewDemand,
     /// `None` if nobody asks for them, or if the view is not lean.
@@ -282,6 +295,9 @@ pub(super) struct Sorter<'a, 'l, 'w, 's, 'dw, 'ds> {
 impl Sorter<'_, '_, '_, '_, '_, '_> {
     fn sort(&mut self, (&render_entity, &entity): (&Entity, &MainEntity), owner: QueueOwner) {
         let entities = (render_entity, entity);
+        if !self.sorted.insert(entity) {
+            return;
+        }
         *self.count += 1;
         if owner != QueueOwner::Nobody {
             self.phases.remove(entity);
@@ -321,7 +337,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             && let Some((less, id)) = self.stand_in(entity, &mesh, shaders, demand, placement)
         {
             (output, pipeline) = (less, GBufferPipeline::Ready(id));
-            self.look_again.push(entity);
+            self.look_again.insert(entity);
         }
         let is_drawn = matches!(pipeline, GBufferPipeline::Ready(_));
         self.prepare(entity, &mesh, shaders, demand, placement.output, is_drawn);
@@ -343,7 +359,7 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
 
         if output.targets.contains(GBufferTargets::MOTION) {
             if lookup.bevy.awaits_previous_morph(entity, &mesh.instance) {
-                self.look_again.push(entity);
+                self.look_again.insert(entity);
             }
             if !mesh.deforms {
                 // Compiled before it stops, or before the view has no motion vectors any more.
@@ -412,16 +428,12 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         self.filter.leave(entities, !is_strange, is_forced);
     }
 
-    /// Has Bevy's pipeline of a mesh compiled in the background.
+    /// Requests Bevy's pipeline of a mesh, in the background.
     fn prepare_for_forward(&mut self, entity: MainEntity, mesh: &MeshToQueue) {
         if !self.pipelines.compile_in_background() {
             return;
         }
-        let kind = (
-            Arc::as_ptr(&mesh.material.properties).addr(),
-            Arc::as_ptr(&mesh.mesh.layout.0).addr(),
-            instance_key(self.lookup, entity, mesh),
-        );
+        let kind = kind_key(self.lookup, entity, mesh);
         if self.kinds_for_forward.insert(kind) {
             let view = (self.view, self.view_key);
             (self.forward_pipelines).compile_later(self.lookup, entity, mesh, view);

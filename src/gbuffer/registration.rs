@@ -232,9 +232,12 @@ fn extract_material_needs<M: Material>(
     mut materials: ResMut<GBufferMaterials>,
 ) {
     if !was_following {
-        events.clear();
-        let is_other = |id: &UntypedAssetId| id.type_id() != TypeId::of::<M>();
-        materials.needs.retain(|id, _| is_other(id));
+        // Removed materials that meshes still have are not among the assets.
+        for event in events.read() {
+            if let AssetEvent::Unused { id } = event {
+                materials.needs.remove(&id.untyped());
+            }
+        }
         let all = assets
             .iter()
             .map(|(id, material)| (id.untyped(), needs(material)));

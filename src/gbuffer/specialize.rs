@@ -91,6 +91,19 @@ struct PipelineQuery {
     output: MeshOutput,
 }
 
+/// The parts of a mesh that determine its pipelines on a view: material and layout by address, and the bits of mesh and instance.
+pub(super) type MeshKindKey = (usize, usize, MeshPipelineKey);
+
+/// Returns the kind of a mesh. Valid for one frame.
+pub(super) fn kind_key(lookup: &MeshLookup, entity: MainEntity, mesh: &MeshToQueue) -> MeshKindKey {
+    let key = MeshPipelineKey::from_bits_retain(mesh.mesh.key_bits.bits());
+    (
+        Arc::as_ptr(&mesh.material.properties).addr(),
+        Arc::as_ptr(&mesh.mesh.layout.0).addr(),
+        key | instance_key(lookup, entity, mesh),
+    )
+}
+
 /// State of the pipeline of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GBufferPipeline {

@@ -3,20 +3,30 @@
 //! A mesh that begins to emit light or to move is left to Bevy until its new pipeline is compiled, if Bevy's is. Otherwise it would
 //! vanish.
 
-use bevy::render::{render_resource::CachedRenderPipelineId, sync_world::MainEntity};
+use bevy::{
+    platform::collections::HashMap,
+    render::{render_resource::CachedRenderPipelineId, sync_world::MainEntity},
+};
 
 use super::{
     lookup::MeshToQueue,
     placement::{MeshDemand, MeshOutput, Placement},
     queue::Sorter,
     registration::MaterialShaders,
-    specialize::GBufferPipeline,
+    specialize::{GBufferPipeline, MeshKindKey, kind_key},
 };
 use crate::view::GBufferTargets;
 
+/// A compiled pipeline for meshes whose own is not ready, with its output.
+type StandIn = (MeshOutput, CachedRenderPipelineId);
+
+/// What was found in this frame, by kind of mesh, the output that meshes of that kind should have, and whether it is lit.
+pub(super) type StandIns = HashMap<(MeshKindKey, MeshOutput, bool), Option<StandIn>>;
+
 impl Sorter<'_, '_, '_, '_, '_, '_> {
-    /// A compiled pipeline for a mesh whose own is not ready, with its output: of those that write a part of what the mesh needs, the one
-    /// that writes most. `None` if there is none, or if Bevy's pipeline is compiled: forward then draws the mesh with all that it shows.
+    /// A stand-in for the pipeline of a mesh: of those that write a part of what the mesh needs, the one that writes most. `None` if there
+    /// is none, or if forward should draw the mesh: because Bevy's pipeline is compiled, or, where Bevy compiles within the frame, because
+    /// one frame has not sufficed.
     pub(super) fn stand_in(
         &mut self,
         entity: MainEntity,
@@ -24,7 +34,29 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
         shaders: &MaterialShaders,
         demand: MeshDemand,
         placement: Placement,
-    ) -> Option<(MeshOutput, CachedRenderPipelineId)> {
+    ) -> Option<StandIn> {
+        let waits = !placement.is_lit || self.looked_at_again.contains(&entity);
+        if waits && !self.pipelines.compile_in_background() {
+            return None;
+        }
+        let kind = kind_key(self.lookup, entity, mesh);
+        let wanted = (kind, placement.output, placement.is_lit);
+        if let Some(found) = self.stand_ins.get(&wanted) {
+            return *found;
+        }
+        let found = self.find_stand_in(entity, mesh, shaders, demand, placement);
+        self.stand_ins.insert(wanted, found);
+        found
+    }
+
+    fn find_stand_in(
+        &mut self,
+        entity: MainEntity,
+        mesh: &MeshToQueue,
+        shaders: &MaterialShaders,
+        demand: MeshDemand,
+        placement: Placement,
+    ) -> Option<StandIn> {
         let active = self.active?;
         let (lookup, view_key) = (self.lookup, self.view_key);
         let of_bevy = self.forward_pipelines.get(lookup, entity, mesh, view_key);
@@ -32,11 +64,11 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
             return None;
         }
         let mut written = demand.demand.targets & active.targets;
-        // Baked light is no emission.
+        // Lighting that does not know of the surface would take the light of a lightmap for emission.
         if !placement.is_lit {
             written -= GBufferTargets::SPECIALIZATION | GBufferTargets::EMISSIVE;
         }
-        // What lighting reads is seen sooner than motion.
+        // Motion is given up before anything that lighting reads.
         let outputs = subsets(written & GBufferTargets::LIT)
             .flat_map(|lit| subsets(written - GBufferTargets::LIT).map(move |others| lit | others));
         outputs
@@ -46,12 +78,12 @@ impl Sorter<'_, '_, '_, '_, '_, '_> {
                 MeshOutput::of(less, active.targets, active.culls_in_two_phases)
             })
             .find_map(|output| {
-                let is_known =
-                    (self.pipelines).knows(lookup, entity, mesh, view_key, shaders, output);
-                let pipeline = is_known
-                    .then(|| (self.pipelines).get(lookup, entity, mesh, view_key, shaders, output));
-                match pipeline {
-                    Some(GBufferPipeline::Ready(id)) => Some((output, id)),
+                let pipelines = &mut self.pipelines;
+                if !pipelines.knows(lookup, entity, mesh, view_key, shaders, output) {
+                    return None;
+                }
+                match pipelines.get(lookup, entity, mesh, view_key, shaders, output) {
+                    GBufferPipeline::Ready(id) => Some((output, id)),
                     _ => None,
                 }
             })

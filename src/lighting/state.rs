@@ -42,7 +42,7 @@ impl ViewLighting {
         tiles + layers.map_or(0, |buffer| buffer.size())
     }
 
-    /// Recreates the tile list if its capacity differs, and drops it if the dispatch over all tiles, with this `key`, fills
+    /// Recreates the tile list if its capacity is too small, and drops it if the dispatch over all tiles, with this `key`, fills
     /// none.
     pub(super) fn update_tile_list(
         &mut self,

@@ -104,7 +104,7 @@ fn uniform_of(
         history_size: Vec2::ONE,
         last_viewport_size: last.map_or(size, |last| last.viewport.size()).as_vec2(),
         viewport_size: size,
-        steps: settings.marches(size.y).smooth_steps,
+        steps: settings.marches(settings.texel_side(size.y)).smooth_steps,
         is_orthographic: now.is_orthographic().into(),
         pixels_per_metre: scale,
         edge_metres: STEEPEST / scale,

@@ -119,7 +119,7 @@ impl Default for LeanScreenSpaceReflectionsAdvanced {
     }
 }
 
-/// Rows from which on 4×4 pixels are about as small a part of the image as 2×2 are at 720 rows. No common screen has about as many.
+/// Rows from which on 4×4 pixels are about as small a part of the image as 2×2 are at 720 rows. No common height of a screen is near it.
 const MANY_ROWS: u32 = 1360;
 /// Part of the rows, in percent, by which a view has to be past [`MANY_ROWS`] before its texels change: dynamic resolution may cross
 /// it in any frame.
@@ -149,8 +149,9 @@ impl LeanScreenSpaceReflections {
         }
     }
 
-    /// Range and precision of rays in a view of `rows` rows.
-    pub(super) fn marches(&self, rows: u32) -> Marches {
+    /// Range and precision of rays with texels of this side.
+    pub(super) fn marches(&self, texel_side: u32) -> Marches {
+        let texel_step = (texel_side / self.resolution.divisor()).clamp(1, 2);
         let (smooth_steps, rough_segments, pixels, growth_percent) = match self.quality {
             LeanQuality::Low => (48, 48, 8, 45.0),
             LeanQuality::Medium => (64, 48, 8, 45.0),
@@ -160,7 +161,7 @@ impl LeanScreenSpaceReflections {
         Marches {
             smooth_steps,
             rough_segments,
-            shortest_segment: (pixels * self.texel_step(rows)) as f32,
+            shortest_segment: (pixels * texel_step) as f32,
             growth: 0.01 * growth_percent,
         }
     }

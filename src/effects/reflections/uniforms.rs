@@ -74,7 +74,7 @@ impl ReflectionUniform {
         let clip_from_view = now.clip_from_view;
         let size = now.viewport.size();
         let thickness = up_to(LARGEST_METRES, settings.thickness);
-        let marches = settings.marches(size.y);
+        let marches = settings.marches(divisor);
         let pixels_per_metre = pixels_per_metre(clip_from_view, size);
         Self {
             view_from_pixel: view_from_pixel(clip_from_view, size),

@@ -19,7 +19,10 @@ use bevy::{
         MeshPipelineKey, PendingMeshMaterialQueues, SpecializedMaterialPipelineCache,
         Transmissive3d, ViewKeyCache, alpha_mode_pipeline_key,
     },
-    platform::{collections::HashMap, hash::FixedHasher},
+    platform::{
+        collections::{HashMap, HashSet},
+        hash::FixedHasher,
+    },
     prelude::*,
     render::{
         camera::DirtySpecializations,
@@ -164,7 +167,7 @@ impl ForwardPipeline {
         match specialize(world, self.key.clone(), &self.layout, &self.properties) {
             Ok(id) => {
                 let mut pipelines = world.resource_mut::<ForwardPipelines>();
-                pipelines.known.insert(self.hash(), Some(id));
+                pipelines.known.insert(self.hash(), id);
                 Some(id)
             }
             Err(error) => {
@@ -178,9 +181,11 @@ impl ForwardPipeline {
 /// Bevy's pipelines for kinds of meshes on lean views.
 #[derive(Resource, Default)]
 pub(in crate::gbuffer) struct ForwardPipelines {
-    /// By hash. `None` until specialized.
-    known: HashMap<u64, Option<CachedRenderPipelineId>>,
-    /// Pipelines of meshes in the G-buffer.
+    /// Those that were specialized, by hash.
+    known: HashMap<u64, CachedRenderPipelineId>,
+    /// Pipelines of meshes in the G-buffer that were asked for, by view.
+    asked: HashSet<(RetainedViewEntity, u64)>,
+    /// Those of them that wait.
     waiting: VecDeque<(RetainedViewEntity, ForwardPipeline)>,
 }
 
@@ -194,10 +199,10 @@ impl ForwardPipelines {
         view_key: MeshPipelineKey,
     ) -> Option<CachedRenderPipelineId> {
         let pipeline = ForwardPipeline::of(lookup, entity, mesh, view_key);
-        self.known.get(&pipeline.hash()).copied().flatten()
+        self.known.get(&pipeline.hash()).copied()
     }
 
-    /// Has the pipeline of a mesh in the G-buffer compiled some time.
+    /// Queues the pipeline of a mesh in the G-buffer for compilation in the background.
     pub(in crate::gbuffer) fn compile_later(
         &mut self,
         lookup: &MeshLookup,
@@ -207,35 +212,50 @@ impl ForwardPipelines {
     ) {
         let pipeline = ForwardPipeline::of(lookup, entity, mesh, view_key);
         let hash = pipeline.hash();
-        if !self.known.contains_key(&hash) {
-            self.known.insert(hash, None);
+        if !self.known.contains_key(&hash) && self.asked.insert((view, hash)) {
             self.waiting.push_back((view, pipeline));
         }
     }
 
-    /// Forgets what waits for a view whose meshes all have other pipelines.
+    /// Drops the queued pipelines of a view whose key has changed.
     pub(in crate::gbuffer) fn forget_waiting(&mut self, view: RetainedViewEntity) {
-        let Self { known, waiting } = self;
-        waiting.retain(|(other, pipeline)| {
-            let stays = *other != view;
-            if !stays {
-                known.remove(&pipeline.hash());
-            }
-            stays
-        });
+        self.keep_only(|other| *other != view);
+    }
+
+    /// Drops the queued pipelines of other views.
+    pub(in crate::gbuffer) fn keep_only(&mut self, is_kept: impl Fn(&RetainedViewEntity) -> bool) {
+        self.asked.retain(|(view, _)| is_kept(view));
+        self.waiting.retain(|(view, _)| is_kept(view));
     }
 
     /// Forgets the pipelines of a former device.
     pub(in crate::gbuffer) fn clear(&mut self) {
         *self = Self::default();
     }
+
+    /// Takes the next queued pipeline that is not specialized.
+    fn next(&mut self) -> Option<ForwardPipeline> {
+        loop {
+            let (_, pipeline) = self.waiting.pop_front()?;
+            if !self.known.contains_key(&pipeline.hash()) {
+                return Some(pipeline);
+            }
+        }
+    }
 }
 
-/// Specializes a pipeline of meshes in the G-buffer while none is compiling.
-pub(in crate::gbuffer) fn compile_waiting_pipelines(world: &mut World) {
-    let is_idle = (world.resource::<PipelineCache>().waiting_pipelines().next()).is_none();
-    let mut pipelines = world.resource_mut::<ForwardPipelines>();
-    if is_idle && let Some((_, pipeline)) = pipelines.waiting.pop_front() {
+/// Frames for which a queued pipeline waits for others: one whose shader nothing provides is never compiled.
+const PATIENCE: u32 = 60;
+
+/// Specializes a queued pipeline of meshes in the G-buffer while none is compiling.
+pub(in crate::gbuffer) fn compile_waiting_pipelines(world: &mut World, mut waited: Local<u32>) {
+    let cache = world.resource::<PipelineCache>();
+    if cache.waiting_pipelines().next().is_some() && *waited < PATIENCE {
+        *waited += 1;
+        return;
+    }
+    *waited = 0;
+    if let Some(pipeline) = world.resource_mut::<ForwardPipelines>().next() {
         pipeline.specialize(world);
     }
 }
