@@ -165,7 +165,7 @@ fn sums_around(plane: Plane, place: vec2<u32>) -> Around {
 fn filtered(plane: Plane, place: vec2<u32>, center: u32) -> vec4<f32> {
     let around = sums_around(plane, place);
     var narrower = around.near / around.near_weights;
-    let near_share = saturate(2.0 * around.near_weights - 1.0);
+    let near_share = saturate(3.0 * around.near_weights - 2.0);
     if near_share < 1.0 {
         let own = block_sums(plane, center);
         let mean = own.light / own.weights;
