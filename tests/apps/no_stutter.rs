@@ -44,9 +44,13 @@ type Change = fn(&mut World, &Subject);
 #[derive(Component)]
 struct Added;
 
-fn set_material(world: &mut World, subject: &Subject, change: fn(&mut StandardMaterial)) {
+pub(super) fn set_material(
+    world: &mut World,
+    material: &Handle<StandardMaterial>,
+    change: fn(&mut StandardMaterial),
+) {
     let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    change(&mut materials.get_mut(&subject.material).expect("it is there"));
+    change(&mut materials.get_mut(material).expect("it is there"));
 }
 
 fn remove_lights(world: &mut World, _: &Subject) {
@@ -85,18 +89,20 @@ const CHANGES: &[(&str, Change)] = &[
         camera.insert(ContactShadows::default());
     }),
     ("emission", |world, subject| {
-        set_material(world, subject, |material| {
+        set_material(world, &subject.material, |material| {
             material.emissive = LinearRgba::rgb(0.2, 0.6, 0.2);
         });
     }),
     ("clear coat", |world, subject| {
-        set_material(world, subject, |material| material.clearcoat = 1.0);
+        set_material(world, &subject.material, |material| {
+            material.clearcoat = 1.0
+        });
     }),
     ("no fog", |world, subject| {
         world.entity_mut(subject.camera).remove::<DistanceFog>();
     }),
     ("plain material", |world, subject| {
-        set_material(world, subject, |material| {
+        set_material(world, &subject.material, |material| {
             material.emissive = LinearRgba::BLACK;
             material.clearcoat = 0.0;
         });

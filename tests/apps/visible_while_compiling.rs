@@ -19,6 +19,8 @@ use kit::{
     stalled_pipelines::StalledPipelines,
 };
 
+use super::no_stutter::set_material;
+
 const SIZE: UVec2 = UVec2::new(96, 64);
 /// Frames after a change for which compilation is delayed, and frames after that which are looked at.
 const HELD_BACK: usize = 4;
@@ -33,11 +35,6 @@ struct Subject {
 
 type Change = fn(&mut World, &Subject);
 
-fn set_material(world: &mut World, subject: &Subject, change: fn(&mut StandardMaterial)) {
-    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
-    change(&mut materials.get_mut(&subject.material).expect("it is there"));
-}
-
 /// Changes that need other targets or pipelines. Bevy's forward pass draws the ball in all frames of each.
 const CHANGES: [(&str, Change); 4] = [
     ("it begins to move", |world, subject| {
@@ -45,15 +42,17 @@ const CHANGES: [(&str, Change); 4] = [
         place.translation.x += 0.02;
     }),
     ("emission", |world, subject| {
-        set_material(world, subject, |material| {
+        set_material(world, &subject.material, |material| {
             material.emissive = LinearRgba::rgb(0.2, 0.6, 0.2);
         });
     }),
     ("reflectance", |world, subject| {
-        set_material(world, subject, |material| material.reflectance = 0.9);
+        set_material(world, &subject.material, |material| {
+            material.reflectance = 0.9
+        });
     }),
     ("unlit", |world, subject| {
-        set_material(world, subject, |material| material.unlit = true);
+        set_material(world, &subject.material, |material| material.unlit = true);
     }),
 ];
 
@@ -142,7 +141,7 @@ fn meshes_stay_visible_while_their_pipelines_compile() {
         }
         // Bevy's pipelines are compiled in the background.
         let flash: Change = |world, subject| {
-            set_material(world, subject, |material| {
+            set_material(world, &subject.material, |material| {
                 material.unlit = false;
                 material.base_color = Color::linear_rgb(3.0, 1.0, 1.0);
             });

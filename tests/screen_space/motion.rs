@@ -190,6 +190,26 @@ fn check_moving_mirrors(motion: bool) {
     }
 }
 
+/// The last of twelve frames of a camera that takes these poses, and the same pose at rest.
+fn moving_and_still(
+    headless: &mut Headless,
+    name: &str,
+    pose: impl Fn(usize) -> Transform,
+) -> [Seen; 2] {
+    let mut moving = see(headless, 8);
+    for frame in 1..=12 {
+        change_cameras(headless, |camera| {
+            camera.insert(pose(frame));
+        });
+        moving = look_at_once(headless);
+    }
+    headless.frames(8);
+    let still = look(headless);
+    moving.save(&format!("{name}_moving"), 1.0);
+    still.save(&format!("{name}_still"), 1.0);
+    [moving, still]
+}
+
 /// Lobes of the last frames are where the mirror image was, and are interpolated: under a camera that strafes at 3 m/s, images of
 /// pillars in a rough floor do not lag, and have no seams across them.
 #[test]
@@ -204,18 +224,7 @@ fn rough_mirror_images_follow_a_strafing_camera() {
             }
             camera(s, pose(0), 0.0, reflections());
         });
-        let mut moving = see(&mut headless, 8);
-        for frame in 1..=12 {
-            change_cameras(&mut headless, |camera| {
-                camera.insert(pose(frame));
-            });
-            moving = look_at_once(&mut headless);
-        }
-        headless.frames(8);
-        let still = look(&mut headless);
-        for (name, seen) in [("moving", &moving), ("still", &still)] {
-            seen.save(&format!("strafe_{name}"), 1.0);
-        }
+        let [moving, still] = moving_and_still(&mut headless, "strafe", pose);
         let size = moving.light.size;
         let off = |x: u32, y: u32| {
             let at = (x + y * size.x) as usize;
@@ -255,18 +264,7 @@ fn rough_metals_that_a_turning_camera_carries_do_not_lag() {
             with_motion(true, &mut s.world().entity_mut(camera));
             s.world().entity_mut(weapon).insert(ChildOf(camera));
         });
-        let mut moving = see(&mut headless, 8);
-        for frame in 1..=12 {
-            change_cameras(&mut headless, |camera| {
-                camera.insert(pose(frame));
-            });
-            moving = look_at_once(&mut headless);
-        }
-        headless.frames(8);
-        let still = look(&mut headless);
-        for (name, seen) in [("moving", &moving), ("still", &still)] {
-            seen.save(&format!("carried_metal_{name}"), 1.0);
-        }
+        let [moving, still] = moving_and_still(&mut headless, "carried_metal", pose);
         // Nothing else reflects.
         let pairs = moving.light.texels.iter().zip(&still.light.texels);
         let (lag, bias) = errors(pairs.map(|(moving, still)| moving[1] - still[1]));
