@@ -235,7 +235,7 @@ impl GBufferPipelines<'_, '_> {
             Ok(id) => {
                 // If Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
                 // by a pipeline that has to be compiled too.
-                if is_new && !self.watch.compiles_in_background() {
+                if is_new && !self.compile_in_background() {
                     self.cache.process_queue();
                 }
                 self.state(id)

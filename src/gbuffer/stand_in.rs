@@ -20,7 +20,7 @@ use crate::view::GBufferTargets;
 /// A compiled pipeline for meshes whose own is not ready, with its output.
 type StandIn = (MeshOutput, CachedRenderPipelineId);
 
-/// What was found in this frame, by kind of mesh, the output that meshes of that kind should have, and whether it is lit.
+/// Stand-ins of this frame, by kind of mesh, the output that meshes of that kind should have, and if that is lit.
 pub(super) type StandIns = HashMap<(MeshKindKey, MeshOutput, bool), Option<StandIn>>;
 
 impl Sorter<'_, '_, '_, '_, '_, '_> {

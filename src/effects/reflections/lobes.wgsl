@@ -36,12 +36,12 @@ const CARRIED_FROM: f32 = 0.25;
 const LEAST_CARRIED: f32 = 0.05;
 
 /// Limits of the difference of the last frames' lobes from this frame's lobe, relative to the mean difference of this frame's rays from
-/// it. Lobes are means of sixteen rays and more, so they differ by less than rays do.
-/// Where things in the mirror move on their own.
+/// it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that show something that
+/// moves on its own.
 const OF_MOVERS: f32 = 0.35;
-/// Least limit where the mirror image moves.
+/// Least limit of a mirror image that moves.
 const OF_IMAGES: f32 = 0.5;
-/// Limit where it moves by the lobe's radius; inversely proportional to its motion.
+/// Its limit if it moves by the lobe's radius; inversely proportional to its motion.
 const OF_SLOW: f32 = 0.06;
 /// From here on there is no limit.
 const UNLIMITED: f32 = 8.0;
