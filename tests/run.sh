@@ -29,37 +29,11 @@ common=$({
     cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null || true
     cat /usr/lib/*/libvulkan.so* /usr/lib/*/libvulkan_lvp.so 2>/dev/null || true
 } | sha256sum)
-# A binary's own sources, as rustc names them.
-own_sources() {
-    sed -n 's/^\([^ /][^ ]*\):$/\1/p' "$1.d" | LC_ALL=C sort | xargs sha256sum
-}
-failed=""
 CARGO_MANIFEST_DIR=$PWD
-export CARGO_MANIFEST_DIR
-for binary in $built; do
-    name=$(basename "$binary")
-    key=$({ own_sources "$binary" && echo "${name%-*} $common"; } | sha256sum | cut -c1-64)
-    if [ -e "$LEAN_PASSED/$key" ]; then
-        echo "$name: unchanged, has passed"
-        continue
-    fi
-    started=$(date +%s)
-    # Each of the soak's tests is one process on a small picture, which leaves most of a core to others.
-    case $name in soak-*) own_threads=--test-threads=4 ;; *) own_threads=$threads ;; esac
-    # These three have every pass, and changes between frames. The layer costs the others 7 % of their time.
-    case $name in apps-* | gbuffer-* | soak-*) layer=all ;; *) layer=${LEAN_TEST_LAYER:-none} ;; esac
-    result=passed
-    (
-        [ "$layer" = all ] || export WGPU_VALIDATION=0
-        # shellcheck disable=SC2086 # none, or one argument
-        "$binary" "$own_threads" $nightly
-    ) || result=failed
-    echo "$name: $result in $(($(date +%s) - started)) s"
-    case $result in
-    passed) touch "$LEAN_PASSED/$key" ;;
-    failed) failed="$failed $name" ;;
-    esac
-done
+export CARGO_MANIFEST_DIR LEAN_PASSED common nightly
+# Two at a time: the last test of a binary leaves a core to those of the next one.
+failed=""
+printf '%s\n' $built | xargs -P 2 -n 1 sh tests/run_binary.sh || failed=" tests"
 cargo test --doc || failed="$failed documentation"
 [ -z "$failed" ] || {
     echo "failed:$failed"

@@ -79,11 +79,12 @@ fn lose_device(headless: &mut Headless) {
 
 /// Asserts that a camera with `effects` shows the same before and after the loss.
 fn survives(name: &str, effects: impl Bundle) -> Headless {
-    survives_with(name, |_| {}, effects)
+    survives_losses(1, name, |_| {}, effects)
 }
 
-/// As [`survives`], with more in the scene.
-fn survives_with(
+/// As [`survives`], after each of several losses, with more in the scene.
+fn survives_losses(
+    losses: usize,
     name: &str,
     more: impl FnOnce(&mut SceneBuilder),
     effects: impl Bundle,
@@ -98,7 +99,7 @@ fn survives_with(
     headless.world().entity_mut(camera).insert(effects);
     let before = settled(&mut headless);
     let lean_before = active_lean_views(&mut headless);
-    for loss in 1..3 {
+    for loss in 1..=losses {
         lose_device(&mut headless);
         restore(&images, &mut headless);
         let after = settled(&mut headless);
@@ -157,8 +158,10 @@ fn lean_cameras_survive() {
 fn occlusion_survives() {
     in_own_process(|| {
         survives("occlusion", LeanScreenSpaceAmbientOcclusion::default());
-        survives(
+        survives_losses(
+            2,
             "lean with occlusion",
+            |_| {},
             (
                 LeanDeferred::default(),
                 LeanScreenSpaceAmbientOcclusion::default(),
@@ -193,7 +196,8 @@ fn scattering_survives() {
             let place = Transform::from_xyz(-0.6, 0.5, 1.6);
             s.spawn((Mesh3d(mesh), MeshMaterial3d(material), place));
         };
-        let mut headless = survives_with("scattering", ball, LeanSubsurfaceScattering::default());
+        let mut headless =
+            survives_losses(1, "scattering", ball, LeanSubsurfaceScattering::default());
         let with = settled(&mut headless);
         change_cameras(&mut headless, |camera| {
             camera.remove::<LeanSubsurfaceScattering>();

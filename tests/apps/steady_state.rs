@@ -31,7 +31,7 @@ use kit::{
 };
 
 const SIZE: UVec2 = UVec2::new(160, 120);
-const FRAMES: usize = 16;
+const FRAMES: usize = 8;
 
 /// Circles through its spawn position.
 #[derive(Component, Clone, Copy)]
