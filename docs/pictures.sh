@@ -181,7 +181,7 @@ ambient_occlusion_settings() {
 diffuse_gi_settings() {
     set -- --set LeanScreenSpaceReflections=off
     setting diffuse_gi_radius 0,0,100,100 screen_space LeanScreenSpaceGi.radius "1 4 16" "$@"
-    setting diffuse_gi_intensity 0,0,100,100 screen_space LeanScreenSpaceGi.intensity "0.5 1 2" "$@"
+    setting diffuse_gi_intensity 0,0,100,100 screen_space LeanScreenSpaceGi.intensity "0 0.5 1" "$@"
     setting diffuse_gi_quality 17,20,25,33 screen_space LeanScreenSpaceGi.quality "low medium ultra" "$@"
     setting diffuse_gi_resolution 45,55,37,33 screen_space LeanScreenSpaceGi.resolution "half full" "$@"
 }

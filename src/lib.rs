@@ -103,7 +103,8 @@
 //! **How do my own materials get into the G-buffer?** By a [`GBufferMaterialPlugin`](gbuffer::GBufferMaterialPlugin) and a fragment shader
 //! that packs a `PbrInput`: see [`GBufferMaterial`](gbuffer::GBufferMaterial).
 //!
-//! **Do the effects need TAA?** No: their patterns are the same in each frame. They turn only while frames are averaged, as with TAA.
+//! **Do the effects need TAA?** No: their patterns are the same in each frame. With TAA, which averages frames, they
+//! rotate from frame to frame.
 //!
 //! **My camera jumps, and shows old light.** Insert [`CameraCut`] on it in that frame.
 //!

@@ -10,7 +10,8 @@ use crate::view::support::SupportChecks;
 
 /// Compiles the pipelines that a [`LeanDeferred`](crate::LeanDeferred) camera will need, during a loading screen.
 ///
-/// Insert it on the camera once the level is spawned; nothing of it has to be visible. It compiles
+/// Insert it on the camera once the level is spawned: for a glTF file, in an observer of Bevy's `WorldInstanceReady`. Nothing of it has to be
+/// visible. It compiles
 ///
 /// - lighting: the general pipelines, and those that fit the lights, decals and light probes of the world, hidden and distant ones
 ///   too, with the settings of the camera (fog, shadow filter, …) and with [`features`](Self::features);
