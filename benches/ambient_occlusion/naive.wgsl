@@ -18,7 +18,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>) {
         let pixel = vec2<i32>(id.xy);
         let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
         let around = depths_around(depth_texture, in_depth, pixel, false);
-        occlusion = hbao((id.x & 1u) | ((id.y & 1u) << 1u), id.xy, pixel, depth, around);
+        occlusion = hbao((id.x & 1u) | ((id.y & 1u) << 1u), id.xy, pixel, pixel & vec2(1), depth, around);
     }
     textureStore(output_texture, id.xy, vec4(1.0, 1.0, 1.0, 1.0 - occlusion));
 }

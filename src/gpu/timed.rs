@@ -43,7 +43,7 @@ pub(crate) struct Dispatch<'a> {
 }
 
 /// Runs `dispatch` in a pass of its own.
-pub(crate) fn timed_dispatch(ctx: &mut RenderContext, dispatch: &Dispatch) {
+fn timed_dispatch(ctx: &mut RenderContext, dispatch: &Dispatch) {
     let label = dispatch.label;
     timed(ctx, label, &mut |ctx| {
         run(ctx, label, &mut iter::once(dispatch));

@@ -42,3 +42,20 @@ fn place_after(start: Start, step: vec2<f32>) -> vec2<i32> {
 fn start_of(start: Start) -> vec2<i32> {
     return bitcast<vec2<i32>>(start.taken_off) + start.origin;
 }
+
+/// Its sum with a number near 0 is a multiple of four.
+const ROUNDER_TO_FOURS: f32 = 4.0 * ROUNDER;
+
+/// `ROUNDER_TO_FOURS`, made of a `zero` that compilers do not know. Those that may reorder sums would otherwise see that
+/// `rounded_to_fours` takes off again what it has added, and not round.
+fn rounder_to_fours(zero: i32) -> f32 {
+    return bitcast<f32>(bitcast<i32>(ROUNDER_TO_FOURS) + zero);
+}
+
+/// Multiple of four nearest to `distance` times `direction` from `start`: its place in fours, and its offset from the start in units.
+/// `rounder`: from `rounder_to_fours`.
+fn rounded_to_fours(start: vec2<f32>, direction: vec2<f32>, distance: f32, rounder: f32) -> Rounded {
+    let sum = fma(direction, vec2(distance), start) + rounder;
+    // The constant, not `rounder`, for the same reason.
+    return Rounded(bitcast<vec2<i32>>(sum) - bitcast<i32>(ROUNDER_TO_FOURS), (sum - ROUNDER_TO_FOURS) - start);
+}

@@ -7,6 +7,7 @@ mod horizon;
 mod hostile;
 mod lean;
 mod motion;
+mod near;
 mod pictures;
 mod projections;
 mod reach;

@@ -8,10 +8,10 @@ use bevy_lean_deferred::{
     view::{LeanQuality, LeanResolution},
 };
 
-use crate::views::{RADIUS, SIZE, Seen, View, run, sphere, wall};
+use crate::views::{RADIUS, SIZE, Seen, View, run_by, sphere, wall};
 use kit::{
     occlusion::{errors::Errors, geometry::Geometry, solids::Hit},
-    occlusion_gpu::OcclusionGpu,
+    occlusion_gpu::{OcclusionGpu, Path},
 };
 
 struct Frame {
@@ -21,7 +21,16 @@ struct Frame {
 
 impl Frame {
     fn new(gpu: &OcclusionGpu, settings: &LeanScreenSpaceAmbientOcclusion, seen: Rc<Seen>) -> Self {
-        let occlusion = run(gpu, settings, &seen.image).filtered;
+        Self::by(gpu.path(), gpu, settings, seen)
+    }
+
+    fn by(
+        path: Path,
+        gpu: &OcclusionGpu,
+        settings: &LeanScreenSpaceAmbientOcclusion,
+        seen: Rc<Seen>,
+    ) -> Self {
+        let occlusion = run_by(path, gpu, settings, &seen.image).filtered;
         Self { seen, occlusion }
     }
 
@@ -31,14 +40,15 @@ impl Frame {
         let position = camera.world_from_view.inverse().transform_point3(point);
         let place = camera.pixel(position) - 0.5;
         let (corner, part) = (place.floor(), place - place.floor());
+        let size = self.seen.buffer.size();
         let mut sum = 0.0;
         for i in 0..4 {
             let offset = IVec2::new(i & 1, i >> 1);
             let pixel = corner.as_ivec2() + offset;
-            if pixel.cmplt(IVec2::ZERO).any() || pixel.cmpge(SIZE.as_ivec2()).any() {
+            if pixel.cmplt(IVec2::ZERO).any() || pixel.cmpge(size.as_ivec2()).any() {
                 return None;
             }
-            let index = (pixel.y as u32 * SIZE.x + pixel.x as u32) as usize;
+            let index = (pixel.y as u32 * size.x + pixel.x as u32) as usize;
             let hit = self.seen.buffer.hits[index].as_ref()?;
             if hit.normal.dot(normal) < 0.999 {
                 return None;
@@ -114,6 +124,33 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
             );
             assert!(rms <= largest);
         }
+    }
+}
+
+/// Close to the camera, where distant samples are from lattices of pixels, no more changes than if all were dense.
+#[test]
+fn lattices_do_not_flicker_while_the_camera_turns() {
+    let gpu = OcclusionGpu::new();
+    if gpu.path() == Path::Raster {
+        println!("skipped: occlusion by compute: the device has no storage textures of its format");
+        return;
+    }
+    let seen = [0.0, 0.1].map(|pixels| {
+        let view = turned(wall(), pixels * pixel_angle());
+        Rc::new(view.with_size(4 * SIZE.with_x(SIZE.y)).seen())
+    });
+    for quality in [LeanQuality::Low, LeanQuality::Medium, LeanQuality::High] {
+        let settings = LeanScreenSpaceAmbientOcclusion {
+            quality,
+            ..LeanScreenSpaceAmbientOcclusion::default()
+        };
+        let [lattices, dense] = [Path::Compute, Path::Raster].map(|path| {
+            let [first, next] =
+                (seen.each_ref()).map(|seen| Frame::by(path, &gpu, &settings, seen.clone()));
+            first.change(&next, &first.seen.shade(0.0))
+        });
+        println!("{quality:?}: {lattices}; dense: {dense}");
+        assert!(lattices.rmse <= 1.1 * dense.rmse && lattices.p99 <= 1.1 * dense.p99);
     }
 }
 

@@ -235,7 +235,7 @@ fn nothing_of_effects_is_made_anew() {
         let expected = if lean {
             [0, 6, 8, 3, scattering]
         } else {
-            [2, 0, 0, 0, 0]
+            [3, 0, 0, 0, 0]
         };
         assert_eq!(first.each_ref().map(Vec::len), expected);
         for _ in 0..8 {

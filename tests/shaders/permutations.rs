@@ -293,6 +293,13 @@ fn occlusion_permutations_validate() {
         }
     }
     check_permutations(
+        include_str!("../../src/effects/ambient_occlusion/sparse_depth.wgsl"),
+        "src/effects/ambient_occlusion/sparse_depth.wgsl",
+        &[],
+        &[],
+        &[],
+    );
+    check_permutations(
         include_str!("../../src/effects/ambient_occlusion/merge.wgsl"),
         "src/effects/ambient_occlusion/merge.wgsl",
         OCCLUSION_MERGE,

@@ -11,13 +11,16 @@ use bevy::{
     render::render_resource::encase::UniformBuffer,
 };
 use bevy_lean_deferred::effects::ambient_occlusion::{
-    LeanScreenSpaceAmbientOcclusion, OcclusionUniform, binding_numbers as numbers,
+    LeanScreenSpaceAmbientOcclusion, OcclusionUniform, binding_numbers as numbers, lattice,
 };
 use draw::Target;
 use naga_oil::compose::ShaderDefValue;
-use shaders::{debug_view, filter_definitions, gather, gather_definitions, shares_depths};
+use shaders::{
+    debug_view, filter_definitions, gather, gather_definitions, shares_depths, sparse_depth,
+};
 
 use super::gpu;
+use crate::wgsl::Definitions;
 
 /// A depth buffer and its projection.
 pub struct DepthImage {
@@ -146,31 +149,48 @@ impl OcclusionGpu {
                 if shares_depths(settings) {
                     defs.insert("SHARED_DEPTHS".into(), ShaderDefValue::Bool(true));
                 }
-                let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(format), false);
+                let sparse = self.texture(
+                    lattice::texture_size(size),
+                    wgpu::TextureFormat::R32Float,
+                    Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING,
+                );
+                let sparse_view = sparse.create_view(&Default::default());
+                let mut entries = common.to_vec();
+                entries.push(wgpu::BindGroupEntry {
+                    binding: numbers::SPARSE_DEPTH_OUTPUT,
+                    resource: wgpu::BindingResource::TextureView(&sparse_view),
+                });
+                let output = (numbers::SPARSE_DEPTH_OUTPUT, sparse.format());
+                let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(output), &[]);
+                let copy = self.compute(&layout, &sparse_depth(), Definitions::new());
+                let copied = self.group(&layout, &entries);
+
+                let output = (numbers::OUTPUT_TEXTURE, format);
+                let sampled = &[numbers::SPARSE_DEPTH_TEXTURE];
+                let layout = self.layout(wgpu::ShaderStages::COMPUTE, Some(output), sampled);
                 let mut entries = common.to_vec();
                 entries.push(wgpu::BindGroupEntry {
                     binding: numbers::OUTPUT_TEXTURE,
                     resource: wgpu::BindingResource::TextureView(&stored_view),
                 });
+                entries.push(wgpu::BindGroupEntry {
+                    binding: numbers::SPARSE_DEPTH_TEXTURE,
+                    resource: wgpu::BindingResource::TextureView(&sparse_view),
+                });
                 let group = self.group(&layout, &entries);
-                let pipeline =
-                    self.device
-                        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                            label: None,
-                            layout: Some(&self.pipeline_layout(&layout)),
-                            module: &self.shader(&gather(), defs),
-                            entry_point: Some("compute"),
-                            compilation_options: Default::default(),
-                            cache: None,
-                        });
+                let pipeline = self.compute(&layout, &gather(), defs);
                 let mut pass = encoder.begin_compute_pass(&Default::default());
+                pass.set_pipeline(&copy);
+                pass.set_bind_group(0, &copied, &[]);
+                let tiles = lattice::workgroups(size);
+                pass.dispatch_workgroups(tiles.x, tiles.y, 1);
                 pass.set_pipeline(&pipeline);
                 pass.set_bind_group(0, &group, &[]);
                 let tiles = view.texture_size.map(|n| n.div_ceil(16));
                 pass.dispatch_workgroups(tiles.x, tiles.y, 1);
             }
             Path::Raster => {
-                let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, false);
+                let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, &[]);
                 let group = self.group(&layout, &common);
                 self.draw(
                     &mut encoder,
@@ -188,7 +208,11 @@ impl OcclusionGpu {
             wgpu::TextureFormat::R32Float,
             Usage::RENDER_ATTACHMENT | Usage::COPY_SRC,
         );
-        let layout = self.layout(wgpu::ShaderStages::FRAGMENT, None, true);
+        let layout = self.layout(
+            wgpu::ShaderStages::FRAGMENT,
+            None,
+            &[numbers::OCCLUSION_TEXTURE],
+        );
         let mut entries = common.to_vec();
         entries.push(wgpu::BindGroupEntry {
             binding: numbers::OCCLUSION_TEXTURE,

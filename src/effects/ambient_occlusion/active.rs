@@ -219,7 +219,10 @@ pub(super) fn decide_active_occlusion(
         };
         let runs = active.is_some_and(|active| active.gather.is_some());
         let merge = merge.map(|(_, merge)| merge.id());
-        let ids = asked.into_iter().chain(gather).map(GatherPipeline::id);
+        let ids = asked
+            .into_iter()
+            .chain(gather)
+            .flat_map(GatherPipeline::ids);
         status.set_running(runs, watch.failure(ids.chain(merge)));
         match (active, current) {
             (Some(active), Some(mut current)) => *current = active,

@@ -9,4 +9,6 @@ binding_numbers! {
     NORMAL_TEXTURE = 3,
     OUTPUT_TEXTURE = 4,
     OCCLUSION_TEXTURE = 5,
+    SPARSE_DEPTH_TEXTURE = 6,
+    SPARSE_DEPTH_OUTPUT = 7,
 }

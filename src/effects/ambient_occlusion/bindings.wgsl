@@ -12,6 +12,8 @@
 #endif
 @group(0) @binding(4) var output_texture: texture_storage_2d<r8unorm, write>;
 @group(0) @binding(5) var occlusion_texture: texture_2d<f32>;
+@group(0) @binding(6) var sparse_depth_texture: texture_2d<f32>;
+@group(0) @binding(7) var sparse_depth_output: texture_storage_2d<r32float, write>;
 
 fn is_in_view(pixel: vec2<i32>) -> bool {
     // Negative coordinates wrap to values above any size.

@@ -16,7 +16,7 @@ use super::{
     active::ActiveOcclusion,
     binding_numbers::{DEPTH_TEXTURE, NEAREST_SAMPLER, OCCLUSION_TEXTURE, VIEW},
     pipelines::{OcclusionPipelines, filter_layout},
-    prepare::{OcclusionTexture, OcclusionUniforms, ViewOcclusion},
+    prepare::{OcclusionTextures, OcclusionUniforms, ViewOcclusion},
 };
 use crate::view::{
     DebugView, LeanDebugView, LightingIo,
@@ -57,7 +57,7 @@ pub(super) fn prepare_debug_views(
         Entity,
         (&ExtractedView, &LeanDebugView),
         (&ActiveOcclusion, &ViewOcclusion),
-        (Option<&OcclusionTexture>, &ViewDepthTexture),
+        (Option<&OcclusionTextures>, &ViewDepthTexture),
         Option<&mut DebugDrawn<ShownOcclusion>>,
     )>,
 ) {
@@ -89,7 +89,10 @@ pub(super) fn prepare_debug_views(
                 entries.push(VIEW, uniforms.clone())?;
                 entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
                 entries.push(NEAREST_SAMPLER, sampler.into_binding())?;
-                entries.push(OCCLUSION_TEXTURE, texture.0.default_view.into_binding())
+                entries.push(
+                    OCCLUSION_TEXTURE,
+                    texture.occlusion.default_view.into_binding(),
+                )
             },
         );
     }

@@ -82,7 +82,7 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
         vec2(depths[i - CACHE_SIDE], depths[i - 2 * CACHE_SIDE]),
         vec2(depths[i + CACHE_SIDE], depths[i + 2 * CACHE_SIDE]),
     );
-    return hbao(phase, texel, pixel, depth, around);
+    return hbao(phase, texel, pixel, vec2<i32>(place_of(phase)), depth, around);
 }
 #else
 fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
@@ -94,7 +94,7 @@ fn occlusion_of(texel: vec2<u32>, phase: u32) -> f32 {
     }
     let in_depth = DepthView(vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size));
     let is_inside = is_in_view(pixel - 2) && is_in_view(pixel + 2);
-    return hbao(phase, texel, pixel, depth, depths_around(depth_texture, in_depth, pixel, is_inside));
+    return hbao(phase, texel, pixel, pixel & vec2(1), depth, depths_around(depth_texture, in_depth, pixel, is_inside));
 }
 #endif
 

@@ -11,6 +11,12 @@
 }
 #import bevy_lean_deferred::rounding::{Start, rounded, start_at}
 
+#ifdef COMPUTE
+#import bevy_lean_deferred::effects::ambient_occlusion::bindings::sparse_depth_texture
+#import bevy_lean_deferred::effects::ambient_occlusion::lattice::{corner_of_lattice, first_of_lattice}
+#import bevy_lean_deferred::rounding::{rounded_to_fours, rounder_to_fours}
+#endif
+
 #ifdef SHADING_NORMALS
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::normal_texture
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, unpack_normal}
@@ -20,14 +26,20 @@
 const SLICES: u32 = #{SLICES}u;
 const STEPS: u32 = #{STEPS}u;
 
+#ifdef COMPUTE
+/// Distance in pixels from which samples may be from the pixel's lattice. Those are up to two pixels away from where they should be along
+/// each axis.
+const LEAST_SPARSE: f32 = 8.0;
+
+/// The second sample as `March::steps` has it, where the pattern brings it nearest.
+const SECOND: f32 = 1.125 * 0.5 / f32(STEPS);
+/// Longer side of a direction's radius on screen, in pixels, at which that sample is `LEAST_SPARSE` away.
+const SPARSE_RADIUS: f32 = LEAST_SPARSE / (2.0 * SECOND * SECOND + SECOND);
+#endif
+
 /// Per-pixel terms of the march, and the direction and steps of the current slice.
 struct March {
-    pixel: Start,
-    /// Twice the pixel's texture coordinates. Minus those of one sample, they are those of the opposite one.
-    twice: vec2<i32>,
-    /// Number of the view's pixels before and behind the pixel, along each axis.
-    room_before: vec2<f32>,
-    room_behind: vec2<f32>,
+    pixel: vec2<f32>,
     depth: f32,
     /// Homogeneous w of the pixel. Like `of_w`, scaled so that distance² / w² is the falloff of a sample's weight.
     w: f32,
@@ -64,16 +76,12 @@ fn march_from(
     geometric: vec3<f32>,
     excess: f32,
 ) -> March {
-    let origin = vec2<i32>(view.viewport_origin);
     let of_steps = homogeneous_steps(view.view_from_pixel, position);
     let to_right = of_steps[0].xyz;
     let down = of_steps[1].xyz;
     let metre = 1.0 / (view.decline * excess);
     var march: March;
-    march.pixel = start_at(pixel, origin);
-    march.twice = 2 * (pixel + origin);
-    march.room_before = vec2<f32>(pixel);
-    march.room_behind = vec2<f32>(view.viewport_size) - 1.0 - march.room_before;
+    march.pixel = vec2<f32>(pixel);
     march.depth = depth;
     march.w = w_at(view.view_from_pixel, ray, depth) * metre;
     march.of_w = metre * vec3(of_steps[0].w, of_steps[1].w, of_steps[2].w);
@@ -117,6 +125,65 @@ fn step_of(march: March, pixels: vec2<f32>) -> Step {
     return step;
 }
 
+/// Depths at a step to one side of the pixel, and at the same step to the other. Those off-screen may be anything: `higher` ignores them.
+struct Pair {
+    step: vec2<f32>,
+    ahead: f32,
+    back: f32,
+}
+
+/// The pixel as the start of steps. It is made of `March` once per slice: that takes fewer registers than keeping it.
+struct Dense {
+    start: Start,
+    /// Twice the pixel's texture coordinates. Minus those of one sample, they are those of the opposite one.
+    twice: vec2<i32>,
+}
+
+fn dense_of(march: March) -> Dense {
+    let pixel = vec2<i32>(march.pixel);
+    let origin = vec2<i32>(view.viewport_origin);
+    return Dense(start_at(pixel, origin), 2 * (pixel + origin));
+}
+
+/// The pair of pixels nearest to a distance.
+fn pair_at(march: March, dense: Dense, distance: f32) -> Pair {
+    let ahead = rounded(dense.start, march.direction, distance);
+    let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
+    let depth_back = textureLoad(depth_texture, dense.twice - ahead.place, 0);
+    return Pair(ahead.step, depth_ahead, depth_back);
+}
+
+#ifdef COMPUTE
+/// The pixel as the start of steps on its lattice.
+struct Sparse {
+    /// Pixel relative to the lattice's first.
+    pixel: vec2<f32>,
+    /// Texel of the lattice's first pixel.
+    corner: vec2<i32>,
+    /// As `Dense::twice`, in texels of sparse depth.
+    twice: vec2<i32>,
+    rounder: f32,
+}
+
+fn sparse_of(march: March, parity: vec2<i32>) -> Sparse {
+    let size = vec2<i32>(view.viewport_size);
+    let pixel = vec2<i32>(march.pixel) - first_of_lattice(parity);
+    let corner = corner_of_lattice(parity, size);
+    let twice = 2 * corner + (pixel >> vec2(1u));
+    // The size is positive.
+    return Sparse(vec2<f32>(pixel), corner, twice, rounder_to_fours(size.x >> 31u));
+}
+
+/// The pair of the lattice's pixels nearest to a distance.
+fn sparse_pair_at(march: March, sparse: Sparse, distance: f32) -> Pair {
+    let ahead = rounded_to_fours(sparse.pixel, march.direction, distance, sparse.rounder);
+    let place = ahead.place + sparse.corner;
+    let depth_ahead = textureLoad(sparse_depth_texture, place, 0).r;
+    let depth_back = textureLoad(sparse_depth_texture, sparse.twice - place, 0).r;
+    return Pair(ahead.step, depth_ahead, depth_back);
+}
+#endif
+
 /// Highest horizon on one `side` (1 or -1) after a sample of this depth. `highest` and the result are relative to `base`.
 fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: f32, highest: f32) -> f32 {
     let nearer = depth - march.depth;
@@ -144,36 +211,62 @@ fn higher(march: March, step: Step, side: f32, depth: f32, is_seen: bool, base: 
 #endif
 }
 
+/// Numbers of the view's pixels on both sides of a pixel, along each axis.
+struct Room {
+    ahead: vec2<f32>,
+    back: vec2<f32>,
+}
+
+fn room_of(march: March) -> Room {
+    let behind = vec2<f32>(view.viewport_size) - 1.0 - march.pixel;
+    let is_right = march.direction > vec2(0.0);
+    return Room(select(march.pixel, behind, is_right), select(behind, march.pixel, is_right));
+}
+
+/// Highest horizons on both sides after a pair of samples, relative to `bases`. `gap`: distance from the last pair, in pixels.
+fn highest_after(march: March, room: Room, pair: Pair, gap: f32, bases: vec2<f32>, highest: vec2<f32>) -> vec2<f32> {
+    let pixels = abs(pair.step);
+    var step = step_of(march, pair.step);
+#ifdef THIN
+    step.kept = exp2(-march.decay * gap);
+#endif
+    return vec2(
+        higher(march, step, 1.0, pair.ahead, all(pixels <= room.ahead), bases.x, highest.x),
+        higher(march, step, -1.0, pair.back, all(pixels <= room.back), bases.y, highest.y),
+    );
+}
+
 /// Cosines of the horizon angles to the viewer on both sides; `bases` where no sample is above the surface.
 /// Samples come in pairs at equal distances on both sides, which share all terms but their depths. Off-screen samples are read too,
-/// so that no branch keeps the reads from being issued at once.
-fn horizons(march: March, bases: vec2<f32>) -> vec2<f32> {
-    let is_right = march.direction > vec2(0.0);
-    let room_ahead = select(march.room_before, march.room_behind, is_right);
-    let room_back = select(march.room_behind, march.room_before, is_right);
+/// so that no branch keeps the reads from being issued at once. If `is_sparse`, all samples but the first are from the pixel's lattice.
+fn horizons(march: March, parity: vec2<i32>, bases: vec2<f32>, is_sparse: bool) -> vec2<f32> {
+    let room = room_of(march);
+    let dense = dense_of(march);
+#ifdef COMPUTE
+    let sparse = sparse_of(march, parity);
+#endif
     // Distance of the first sample, and its growth per sample. Both are at least a pixel: no sample repeats the pixel or the last sample.
     let offset = march.offset;
     let at_first = max((march.steps.x * offset + march.steps.y) * offset, 1.0);
     let growth = max(2.0 * march.steps.x * offset + march.steps.y, 1.0);
-    var highest = vec2(0.0);
-#ifdef THIN
-    var last_distance = 0.0;
-#endif
-    for (var i = 0u; i < STEPS; i++) {
+    // Before the loop, whose samples then are all of one texture: it unrolls only while it is short.
+    var highest = highest_after(march, room, pair_at(march, dense, at_first), at_first, bases, vec2(0.0));
+    var last = at_first;
+    for (var i = 1u; i < STEPS; i++) {
         let x = f32(i);
         let distance = at_first + x * growth + x * x * march.steps.x;
-        let ahead = rounded(march.pixel, march.direction, distance);
-        // Off-screen samples may hold anything; `higher` ignores them.
-        let depth_ahead = textureLoad(depth_texture, ahead.place, 0);
-        let depth_back = textureLoad(depth_texture, march.twice - ahead.place, 0);
-        let pixels = abs(ahead.step);
-        var step = step_of(march, ahead.step);
-#ifdef THIN
-        step.kept = exp2(-march.decay * (distance - last_distance));
-        last_distance = distance;
+        var pair: Pair;
+#ifdef COMPUTE
+        if is_sparse {
+            pair = sparse_pair_at(march, sparse, distance);
+        } else {
+            pair = pair_at(march, dense, distance);
+        }
+#else
+        pair = pair_at(march, dense, distance);
 #endif
-        highest.x = higher(march, step, 1.0, depth_ahead, all(pixels <= room_ahead), bases.x, highest.x);
-        highest.y = higher(march, step, -1.0, depth_back, all(pixels <= room_back), bases.y, highest.y);
+        highest = highest_after(march, room, pair, distance - last, bases, highest);
+        last = distance;
     }
     return bases + highest;
 }
@@ -186,8 +279,8 @@ fn turned(rotation: vec2<f32>, angle: vec2<f32>) -> vec2<f32> {
     );
 }
 
-/// Cosine-weighted occlusion of a pixel, 0 to 1, from the pattern's slices of `phase` 0 to 3.
-fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
+/// Cosine-weighted occlusion of a pixel, 0 to 1, from the pattern's slices of `phase` 0 to 3. `parity`: 1 for odd coordinates.
+fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, parity: vec2<i32>, depth: f32, around: DepthsAround) -> f32 {
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);
@@ -253,7 +346,17 @@ fn hbao(phase: u32, texel: vec2<u32>, pixel: vec2<i32>, depth: f32, around: Dept
 #ifdef THIN
         march.decay = view.decay / (radius.excess * longer_side);
 #endif
-        let found = horizons(march, bases);
+#ifdef COMPUTE
+        var found: vec2<f32>;
+        // Two calls with constants compile to marches without branches.
+        if longer_side < SPARSE_RADIUS {
+            found = horizons(march, parity, bases, false);
+        } else {
+            found = horizons(march, parity, bases, true);
+        }
+#else
+        let found = horizons(march, parity, bases, false);
+#endif
         occlusion += side_occlusion(lobe, bases.x, found.x, 1.0) + side_occlusion(lobe, bases.y, found.y, -1.0);
     }
     return occlusion / f32(SLICES);

@@ -60,6 +60,11 @@ impl GatherKey {
         }
     }
 
+    /// True if distant samples read sparse depth, which a compute pass stores before the gather.
+    pub(super) fn reads_sparse_depth(self) -> bool {
+        self.computes && self.kernel == OcclusionKernel::Hbao
+    }
+
     pub(super) fn shader_defs(self) -> Vec<ShaderDefVal> {
         let (slices, steps) = self.samples;
         let mut defs = vec![

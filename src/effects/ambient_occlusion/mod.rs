@@ -38,6 +38,7 @@
 // - `active.rs`: decides per view and frame if and how occlusion is computed and applied.
 // - `prepare.rs`: uniforms, textures and bind groups of views.
 // - `pass.rs`: the gather, as a compute or a raster pass, and the merge.
+// - `lattice.{rs,wgsl}`, `sparse_depth.wgsl`: depths that distant samples read, and the compute pass that stores them.
 // - `binding_numbers.rs`, `bindings.wgsl`: binding numbers and declarations.
 // - `hbao.wgsl`, `hdao.wgsl`: the kernels.
 // - `gather.wgsl`: entry points of the kernels.
@@ -49,6 +50,8 @@ mod active;
 pub mod binding_numbers;
 mod debug_view;
 mod key;
+#[doc(hidden)]
+pub mod lattice;
 mod pass;
 mod pipelines;
 mod prepare;
@@ -66,7 +69,7 @@ pub use support::COMPUTE_LIMITS;
 #[doc(hidden)]
 pub use {
     active::ActiveOcclusion,
-    prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
+    prepare::{OcclusionBindings, OcclusionTextures, ViewOcclusion},
     uniforms::OcclusionUniform,
 };
 
@@ -110,8 +113,10 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         SharedPlugin::add_to(app);
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "lattice.wgsl");
         load_shader_library!(app, "hbao.wgsl");
         load_shader_library!(app, "hdao.wgsl");
+        embedded_asset!(app, "sparse_depth.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "merge.wgsl");
         embedded_asset!(app, "debug_view.wgsl");
@@ -136,7 +141,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         removal::remove_with::<
             ActiveOcclusion,
             (
-                OcclusionTexture,
+                OcclusionTextures,
                 ViewOcclusion,
                 OcclusionBindings,
                 AmbientOcclusion,
@@ -149,7 +154,7 @@ impl Plugin for LeanScreenSpaceAmbientOcclusionPlugin {
         memory::count(
             render_app,
             |memory| &mut memory.ambient_occlusion,
-            OcclusionTexture::bytes,
+            OcclusionTextures::bytes,
         );
         render_app
             .init_gpu_resource::<prepare::OcclusionUniforms>()

@@ -17,32 +17,37 @@ use bevy::{
 
 use super::{
     active::ActiveOcclusion,
+    lattice,
     pipelines::GatherPipeline,
-    prepare::{OcclusionBindings, OcclusionTexture, ViewOcclusion},
+    prepare::{OcclusionBindings, OcclusionTextures, ViewOcclusion},
     uniforms::workgroups,
 };
-use crate::gpu::timed::{Dispatch, timed, timed_dispatch};
+use crate::gpu::timed::{Dispatch, TimesEachDispatch, timed, timed_dispatches};
 
 const GATHER: &str = "lean_deferred/effects/ambient_occlusion/gather";
+const SPARSE_DEPTH: &str = "lean_deferred/effects/ambient_occlusion/sparse_depth";
 const MERGE: &str = "lean_deferred/effects/ambient_occlusion/merge";
 
-pub(super) type OcclusionViewQuery = (
-    &'static ActiveOcclusion,
-    &'static OcclusionTexture,
-    &'static ViewOcclusion,
-    &'static OcclusionBindings,
-    &'static ViewTarget,
+type OcclusionView<'a> = (
+    &'a ActiveOcclusion,
+    &'a OcclusionTextures,
+    &'a ViewOcclusion,
+    &'a OcclusionBindings,
+    &'a ViewTarget,
 );
+
+pub(super) type OcclusionViewQuery = OcclusionView<'static>;
 
 /// Runs between G-buffer and lighting.
 pub(super) fn occlusion_for_lighting(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
+    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
-    let (active, texture, view, bindings, _) = view.into_inner();
+    let view @ (active, ..) = view.into_inner();
     if active.merge.is_none() {
-        gather(active, texture, view, bindings, &pipeline_cache, &mut ctx);
+        gather(view, &pipeline_cache, one_by_one.as_deref(), &mut ctx);
     }
 }
 
@@ -50,37 +55,48 @@ pub(super) fn occlusion_for_lighting(
 pub(super) fn occlusion_after_opaque(
     view: ViewQuery<OcclusionViewQuery>,
     pipeline_cache: Res<PipelineCache>,
+    one_by_one: Option<Res<TimesEachDispatch>>,
     mut ctx: RenderContext,
 ) {
-    let (active, texture, view, bindings, target) = view.into_inner();
+    let view @ (active, ..) = view.into_inner();
     if active.merge.is_some()
-        && gather(active, texture, view, bindings, &pipeline_cache, &mut ctx).is_some()
+        && gather(view, &pipeline_cache, one_by_one.as_deref(), &mut ctx).is_some()
     {
-        merge(active, view, bindings, target, &pipeline_cache, &mut ctx);
+        merge(view, &pipeline_cache, &mut ctx);
     }
 }
 
 /// `None` while the pipeline is compiling or the bind group is missing.
 fn gather(
-    active: &ActiveOcclusion,
-    texture: &OcclusionTexture,
-    view: &ViewOcclusion,
-    bindings: &OcclusionBindings,
+    (active, textures, view, bindings, _): OcclusionView,
     pipeline_cache: &PipelineCache,
+    one_by_one: Option<&TimesEachDispatch>,
     ctx: &mut RenderContext,
 ) -> Option<()> {
     let group = bindings.gather.get()?;
     match active.gather? {
-        GatherPipeline::Compute(pipeline) => {
-            let pipeline = pipeline_cache.get_compute_pipeline(pipeline)?;
-            let dispatch = Dispatch {
-                label: GATHER,
-                pipeline,
-                group,
-                offsets: slice::from_ref(&view.offset),
-                workgroups: workgroups(view.uniform.texture_size),
+        GatherPipeline::Compute {
+            gather,
+            sparse_depth,
+        } => {
+            let dispatch = |label, pipeline, group, workgroups| {
+                Some(Dispatch {
+                    label,
+                    pipeline: pipeline_cache.get_compute_pipeline(pipeline)?,
+                    group,
+                    offsets: slice::from_ref(&view.offset),
+                    workgroups,
+                })
             };
-            timed_dispatch(ctx, &dispatch);
+            let gather = dispatch(GATHER, gather, group, workgroups(view.uniform.texture_size));
+            if let Some(pipeline) = sparse_depth {
+                let group = bindings.sparse_depth.get()?;
+                let workgroups = lattice::workgroups(view.viewport.physical_size);
+                let sparse_depth = dispatch(SPARSE_DEPTH, pipeline, group, workgroups);
+                timed_dispatches(ctx, GATHER, one_by_one, &[sparse_depth, gather])?;
+            } else {
+                timed_dispatches(ctx, GATHER, one_by_one, &[gather])?;
+            }
         }
         GatherPipeline::Raster(pipeline) => {
             let pipeline = pipeline_cache.get_render_pipeline(pipeline)?;
@@ -88,7 +104,7 @@ fn gather(
                 let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
                     label: Some(GATHER),
                     color_attachments: &[Some(RenderPassColorAttachment {
-                        view: &texture.0.default_view,
+                        view: &textures.occlusion.default_view,
                         depth_slice: None,
                         resolve_target: None,
                         ops: Operations {
@@ -108,10 +124,7 @@ fn gather(
 }
 
 fn merge(
-    active: &ActiveOcclusion,
-    view: &ViewOcclusion,
-    bindings: &OcclusionBindings,
-    target: &ViewTarget,
+    (active, _, view, bindings, target): OcclusionView,
     pipeline_cache: &PipelineCache,
     ctx: &mut RenderContext,
 ) -> Option<()> {

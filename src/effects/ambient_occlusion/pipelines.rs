@@ -1,5 +1,7 @@
 //! Layouts and pipelines: the gather as a compute or a raster pass, and the merge.
 
+use core::iter;
+
 use bevy::{
     asset::load_embedded_asset,
     core_pipeline::FullscreenShader,
@@ -23,10 +25,11 @@ use bevy::{
 
 use super::{
     binding_numbers::{
-        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE,
+        SPARSE_DEPTH_OUTPUT, SPARSE_DEPTH_TEXTURE, VIEW,
     },
     key::{GatherKey, MergeKey},
-    support::FORMAT,
+    support::{FORMAT, SPARSE_DEPTH_FORMAT},
     uniforms::OcclusionUniform,
 };
 use crate::gpu::{
@@ -50,34 +53,50 @@ const MULTIPLICATIVE: BlendState = BlendState {
 /// Pipeline of the gather.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GatherPipeline {
-    Compute(CachedComputePipelineId),
+    Compute {
+        gather: CachedComputePipelineId,
+        /// Of the pass before it, for kernels that read sparse depth.
+        sparse_depth: Option<CachedComputePipelineId>,
+    },
     Raster(CachedRenderPipelineId),
 }
 
 impl GatherPipeline {
     pub(super) fn is_compiled(self, cache: &PipelineCache) -> bool {
         match self {
-            Self::Compute(pipeline) => cache.get_compute_pipeline(pipeline).is_some(),
+            Self::Compute {
+                gather,
+                sparse_depth,
+            } => iter::once(gather)
+                .chain(sparse_depth)
+                .all(|pipeline| cache.get_compute_pipeline(pipeline).is_some()),
             Self::Raster(pipeline) => cache.get_render_pipeline(pipeline).is_some(),
         }
     }
 
-    pub(super) fn id(self) -> CachedPipelineId {
-        match self {
-            Self::Compute(pipeline) => pipeline.id(),
-            Self::Raster(pipeline) => pipeline.id(),
-        }
+    pub(super) fn ids(self) -> impl Iterator<Item = CachedPipelineId> {
+        let (first, second) = match self {
+            Self::Compute {
+                gather,
+                sparse_depth,
+            } => (gather.id(), sparse_depth.map(|pipeline| pipeline.id())),
+            Self::Raster(pipeline) => (pipeline.id(), None),
+        };
+        iter::once(first).chain(second)
     }
 }
 
 /// Pipelines by key. Created by `init_occlusion_pipelines`.
 #[derive(Resource)]
 pub(super) struct OcclusionPipelines {
+    sparse_depth_shader: Handle<Shader>,
     gather_shader: Handle<Shader>,
     merge_shader: Handle<Shader>,
     fullscreen: FullscreenShader,
     pub(super) nearest_sampler: Sampler,
+    pub(super) sparse_depth_layout: ResolvedLayout,
     pub(super) merge_layout: ResolvedLayout,
+    sparse_depth: Option<CachedComputePipelineId>,
     gathers: HashMap<GatherKey, (GatherPipeline, ResolvedLayout)>,
     merges: HashMap<MergeKey, CachedRenderPipelineId>,
 }
@@ -90,6 +109,7 @@ pub(super) fn init_occlusion_pipelines(
     pipeline_cache: Res<PipelineCache>,
 ) {
     commands.insert_resource(OcclusionPipelines {
+        sparse_depth_shader: load_embedded_asset!(asset_server.as_ref(), "sparse_depth.wgsl"),
         gather_shader: load_embedded_asset!(asset_server.as_ref(), "gather.wgsl"),
         merge_shader: load_embedded_asset!(asset_server.as_ref(), "merge.wgsl"),
         fullscreen: fullscreen.clone(),
@@ -99,6 +119,8 @@ pub(super) fn init_occlusion_pipelines(
             min_filter: FilterMode::Nearest,
             ..default()
         }),
+        sparse_depth_layout: ResolvedLayout::new(&pipeline_cache, sparse_depth_layout()),
+        sparse_depth: None,
         merge_layout: ResolvedLayout::new(
             &pipeline_cache,
             filter_layout("lean_deferred/effects/ambient_occlusion/merge"),
@@ -120,6 +142,19 @@ pub(super) fn filter_layout(label: &'static str) -> BindGroupLayoutDescriptor {
     )
 }
 
+fn sparse_depth_layout() -> BindGroupLayoutDescriptor {
+    let output = texture_storage_2d(SPARSE_DEPTH_FORMAT, StorageTextureAccess::WriteOnly);
+    layout(
+        "lean_deferred/effects/ambient_occlusion/sparse_depth",
+        ShaderStages::COMPUTE,
+        [
+            (VIEW, uniform_buffer::<OcclusionUniform>(true)),
+            (DEPTH_TEXTURE, texture_depth_2d()),
+            (SPARSE_DEPTH_OUTPUT, output),
+        ],
+    )
+}
+
 fn gather_layout(key: GatherKey) -> BindGroupLayoutDescriptor {
     let stages = if key.computes {
         ShaderStages::COMPUTE
@@ -131,13 +166,18 @@ fn gather_layout(key: GatherKey) -> BindGroupLayoutDescriptor {
         OUTPUT_TEXTURE,
         texture_storage_2d(FORMAT, StorageTextureAccess::WriteOnly),
     );
+    let sparse_depth = (
+        SPARSE_DEPTH_TEXTURE,
+        texture_2d(TextureSampleType::Float { filterable: false }),
+    );
     layout(
         "lean_deferred/effects/ambient_occlusion/gather",
         stages,
         common_entries()
             .into_iter()
             .chain(key.shading_normals.then_some(normals))
-            .chain(key.computes.then_some(output)),
+            .chain(key.computes.then_some(output))
+            .chain(key.reads_sparse_depth().then_some(sparse_depth)),
     )
 }
 
@@ -189,16 +229,29 @@ impl OcclusionPipelines {
         let shader_defs = key.shader_defs();
         let shader = self.gather_shader.clone();
         let pipeline = if key.computes {
-            GatherPipeline::Compute(pipeline_cache.queue_compute_pipeline(
-                ComputePipelineDescriptor {
-                    label,
-                    layout: layouts,
-                    shader,
-                    shader_defs,
-                    entry_point: Some("compute".into()),
-                    ..default()
-                },
-            ))
+            let sparse_depth = key.reads_sparse_depth().then(|| {
+                *self.sparse_depth.get_or_insert_with(|| {
+                    pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                        label: Some("lean_deferred/effects/ambient_occlusion/sparse_depth".into()),
+                        layout: vec![self.sparse_depth_layout.descriptor().clone()],
+                        shader: self.sparse_depth_shader.clone(),
+                        entry_point: Some("compute".into()),
+                        ..default()
+                    })
+                })
+            });
+            let gather = pipeline_cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                label,
+                layout: layouts,
+                shader,
+                shader_defs,
+                entry_point: Some("compute".into()),
+                ..default()
+            });
+            GatherPipeline::Compute {
+                gather,
+                sparse_depth,
+            }
         } else {
             GatherPipeline::Raster(
                 pipeline_cache.queue_render_pipeline(RenderPipelineDescriptor {

@@ -1,5 +1,7 @@
 //! Per-view resources of the passes: uniform, texture and bind groups. Bind groups are recreated only when their resources change.
 
+use core::iter;
+
 use bevy::{
     camera::{MainPassResolutionOverride, Viewport},
     diagnostic::FrameCount,
@@ -9,8 +11,8 @@ use bevy::{
     render::{
         camera::ExtractedCamera,
         render_resource::{
-            BindGroup, DynamicUniformBuffer, IntoBinding, Texture, TextureDescriptor,
-            TextureDimension, TextureUsages, TextureViewDescriptor,
+            BindGroup, DynamicUniformBuffer, IntoBinding, TextureDescriptor, TextureDimension,
+            TextureUsages, TextureViewDescriptor,
         },
         renderer::{RenderDevice, RenderQueue},
         texture::CachedTexture,
@@ -21,15 +23,20 @@ use bevy::{
 use super::{
     active::ActiveOcclusion,
     binding_numbers::{
-        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE, VIEW,
+        DEPTH_TEXTURE, NEAREST_SAMPLER, NORMAL_TEXTURE, OCCLUSION_TEXTURE, OUTPUT_TEXTURE,
+        SPARSE_DEPTH_OUTPUT, SPARSE_DEPTH_TEXTURE, VIEW,
     },
+    lattice,
     pipelines::{GatherPipeline, OcclusionPipelines},
-    support::FORMAT,
+    support::{FORMAT, SPARSE_DEPTH_FORMAT},
     uniforms::{OcclusionUniform, fog_parameters},
 };
 use crate::{
     gbuffer::GBufferTextures,
-    gpu::{bind_group_cache::CachedBindGroup, texture_bytes::texture_bytes},
+    gpu::{
+        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
+        texture_bytes::texture_bytes,
+    },
     shader_library::reconstruction::position::without_scale,
     view::{AmbientOcclusion, FrameAveraging, OutOfMemory},
 };
@@ -98,18 +105,58 @@ pub(super) fn write_occlusion_uniforms(
     }
 }
 
-/// Occlusion of a view, at full or half the size of its viewport. 0 is unoccluded.
-#[derive(Component, Clone)]
-pub struct OcclusionTexture(pub CachedTexture);
+/// Textures of a view with ambient occlusion.
+#[derive(Component)]
+pub struct OcclusionTextures {
+    /// Occlusion at full or half the size of the viewport. 0 is unoccluded.
+    pub(super) occlusion: CachedTexture,
+    /// Depths of the lattices, for gathers that read them.
+    sparse_depth: Option<StorageTexture>,
+}
 
-impl OcclusionTexture {
+impl OcclusionTextures {
+    fn new(
+        device: &RenderDevice,
+        occlusion: &TextureDescriptor,
+        sparse_depth_size: Option<UVec2>,
+    ) -> Self {
+        let texture = device.create_texture(occlusion);
+        let default_view = texture.create_view(&TextureViewDescriptor::default());
+        Self {
+            occlusion: CachedTexture {
+                texture,
+                default_view,
+            },
+            sparse_depth: sparse_depth_size.map(|size| {
+                let label = "lean_deferred/effects/ambient_occlusion/sparse_depth";
+                StorageTexture::new(device, label, size, SPARSE_DEPTH_FORMAT)
+            }),
+        }
+    }
+
+    fn are_as_asked(
+        &self,
+        occlusion: &TextureDescriptor,
+        sparse_depth_size: Option<UVec2>,
+    ) -> bool {
+        let texture = &self.occlusion.texture;
+        let sparse_depth = self.sparse_depth.as_ref();
+        (texture.size(), texture.usage()) == (occlusion.size, occlusion.usage)
+            && sparse_depth.map(|held| held.texture.size())
+                == sparse_depth_size.map(|size| size.to_extents())
+    }
+
     pub(super) fn bytes(&self) -> u64 {
-        texture_bytes(&self.0.texture)
+        let sparse_depth = self.sparse_depth.as_ref().map(|held| &held.texture);
+        iter::once(&self.occlusion.texture)
+            .chain(sparse_depth)
+            .map(texture_bytes)
+            .sum()
     }
 }
 
-/// Creates the occlusion textures of active views, and gives lighting those that it reads: as [`AmbientOcclusion`]. A
-/// texture is kept while its size and usage stay the same.
+/// Creates the textures of active views, and gives lighting the occlusion that it reads: as [`AmbientOcclusion`]. Textures are kept
+/// while their sizes and usages stay the same.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     render_device: Res<RenderDevice>,
@@ -118,24 +165,25 @@ pub(super) fn prepare_occlusion_textures(
         Entity,
         &ActiveOcclusion,
         &ViewOcclusion,
-        Option<&OcclusionTexture>,
+        Option<&OcclusionTextures>,
         Option<&mut AmbientOcclusion>,
     )>,
 ) {
     for (entity, active, view, current, given) in &mut views {
         let usage = match active.gather {
-            Some(GatherPipeline::Compute(_)) => TextureUsages::STORAGE_BINDING,
+            Some(GatherPipeline::Compute { .. }) => TextureUsages::STORAGE_BINDING,
             Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
             None => {
                 if current.is_some() {
                     commands
                         .entity(entity)
-                        .remove::<(OcclusionTexture, AmbientOcclusion)>();
+                        .remove::<(OcclusionTextures, AmbientOcclusion)>();
                 }
                 continue;
             }
         };
         let label = "lean_deferred/effects/ambient_occlusion";
+        // Without headroom for views that grow: the filter's gathers repeat the texture's border, which has to be that of the view.
         let descriptor = TextureDescriptor {
             label: Some(label),
             size: view.uniform.texture_size.to_extents(),
@@ -146,30 +194,27 @@ pub(super) fn prepare_occlusion_textures(
             usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
             view_formats: &[],
         };
-        let is_as_asked = |texture: &Texture| {
-            (texture.size(), texture.usage()) == (descriptor.size, descriptor.usage)
-        };
-        let texture = match current {
-            Some(current) if is_as_asked(&current.0.texture) => current.clone(),
+        let reads_sparse_depth = active.key.reads_sparse_depth();
+        let sparse_depth_size =
+            reads_sparse_depth.then(|| lattice::texture_size(view.viewport.physical_size));
+        let mut made = None;
+        let textures = match current {
+            Some(current) if current.are_as_asked(&descriptor, sparse_depth_size) => current,
             _ => {
-                let make = || render_device.create_texture(&descriptor);
-                let Some(texture) = memory.fit(&render_device, entity, label, make) else {
+                let make =
+                    || OcclusionTextures::new(&render_device, &descriptor, sparse_depth_size);
+                let Some(textures) = memory.fit(&render_device, entity, label, make) else {
                     commands
                         .entity(entity)
-                        .remove::<(OcclusionTexture, AmbientOcclusion)>();
+                        .remove::<(OcclusionTextures, AmbientOcclusion)>();
                     continue;
                 };
-                let default_view = texture.create_view(&TextureViewDescriptor::default());
-                let texture = OcclusionTexture(CachedTexture {
-                    texture,
-                    default_view,
-                });
-                commands.entity(entity).insert(texture.clone());
-                texture
+                &*made.insert(textures)
             }
         };
         let is_read = active.merge.is_none();
-        let occlusion = (view.uniform).for_lighting(&active.settings, texture.0.default_view);
+        let texture = textures.occlusion.default_view.clone();
+        let occlusion = view.uniform.for_lighting(&active.settings, texture);
         match given {
             Some(mut given) if is_read => *given = occlusion,
             None if is_read => {
@@ -180,12 +225,16 @@ pub(super) fn prepare_occlusion_textures(
             }
             None => {}
         }
+        if let Some(made) = made {
+            commands.entity(entity).insert(made);
+        }
     }
 }
 
 /// On a view with ambient occlusion: the bind groups of its passes.
 #[derive(Component, Default)]
 pub struct OcclusionBindings {
+    pub(super) sparse_depth: CachedBindGroup,
     pub(super) gather: CachedBindGroup,
     pub(super) merge: CachedBindGroup,
 }
@@ -193,7 +242,7 @@ pub struct OcclusionBindings {
 impl OcclusionBindings {
     /// Bind groups that are reused across frames while nothing changes.
     pub fn lasting_bind_groups(&self) -> impl Iterator<Item = &BindGroup> {
-        [&self.gather, &self.merge]
+        [&self.sparse_depth, &self.gather, &self.merge]
             .into_iter()
             .filter_map(CachedBindGroup::get)
     }
@@ -208,7 +257,7 @@ pub(super) fn prepare_occlusion_bind_groups(
     mut views: Query<(
         Entity,
         &ActiveOcclusion,
-        Option<&OcclusionTexture>,
+        Option<&OcclusionTextures>,
         &ViewDepthTexture,
         Option<&GBufferTextures>,
         Option<&mut OcclusionBindings>,
@@ -217,18 +266,19 @@ pub(super) fn prepare_occlusion_bind_groups(
     let (Some(pipelines), Some(uniforms)) = (pipelines, uniforms.0.binding()) else {
         return;
     };
-    for (entity, active, texture, depth, gbuffer, bindings) in &mut views {
+    for (entity, active, textures, depth, gbuffer, bindings) in &mut views {
         let mut new = None;
         let bindings = match bindings {
             Some(bindings) => bindings.into_inner(),
             None => new.insert(OcclusionBindings::default()),
         };
-        let (Some(texture), Some(_)) = (texture, active.gather) else {
+        let (Some(textures), Some(_)) = (textures, active.gather) else {
+            bindings.sparse_depth.clear();
             bindings.gather.clear();
             bindings.merge.clear();
             continue;
         };
-        let occlusion = || texture.0.default_view.into_binding();
+        let occlusion = || textures.occlusion.default_view.into_binding();
 
         if let Some(layout) = pipelines.gather_layout(active.key) {
             bindings.gather.update(&device, layout, |entries| {
@@ -241,8 +291,23 @@ pub(super) fn prepare_occlusion_bind_groups(
                 if active.key.computes {
                     entries.push(OUTPUT_TEXTURE, occlusion())?;
                 }
+                if active.key.reads_sparse_depth() {
+                    let sparse_depth = &textures.sparse_depth.as_ref()?.view;
+                    entries.push(SPARSE_DEPTH_TEXTURE, sparse_depth.into_binding())?;
+                }
                 Some(())
             });
+        }
+        match &textures.sparse_depth {
+            Some(sparse_depth) => {
+                let layout = &pipelines.sparse_depth_layout;
+                bindings.sparse_depth.update(&device, layout, |entries| {
+                    entries.push(VIEW, uniforms.clone())?;
+                    entries.push(DEPTH_TEXTURE, depth.view().into_binding())?;
+                    entries.push(SPARSE_DEPTH_OUTPUT, sparse_depth.view.into_binding())
+                });
+            }
+            None => bindings.sparse_depth.clear(),
         }
         if active.merge.is_some() {
             bindings

@@ -13,6 +13,9 @@ use crate::gpu::needed_limits::{NeededLimit, check_limits, needed_limits};
 /// Format of the texture of occlusion: steps of 1/255 before the filter.
 pub(super) const FORMAT: TextureFormat = TextureFormat::R8Unorm;
 
+/// Format of sparse depth: exact.
+pub(super) const SPARSE_DEPTH_FORMAT: TextureFormat = TextureFormat::R32Float;
+
 /// Limits that the compute pass needs; without them a raster pass computes occlusion.
 #[doc(hidden)]
 pub const COMPUTE_LIMITS: &[NeededLimit] = &needed_limits![

@@ -19,8 +19,7 @@ use crate::{
     view::AmbientOcclusion,
 };
 
-/// Largest radius on screen, as a share of the viewport's height. With a larger one, samples would be too sparse for a smooth image,
-/// and too far apart in memory for the caches.
+/// Largest radius on screen, as a share of the viewport's height. With a larger one, samples would be too sparse for a smooth image.
 const LARGEST_RADIUS: f32 = 0.25;
 /// Upper bound of the radius, in metres: keeps its size in pixels finite.
 const LARGEST_METRES: f32 = 1e9;

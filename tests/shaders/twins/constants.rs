@@ -7,7 +7,7 @@ use bevy::{
     reflect::enums::Enum,
 };
 use bevy_lean_deferred::{
-    effects::{auto_exposure::key, reflections},
+    effects::{ambient_occlusion::lattice, auto_exposure::key, reflections},
     gbuffer::{GBufferTargets, ShadingModel},
     lighting::{parts::LightingParts, subsurface_light},
     shader_library::tiles,
@@ -89,6 +89,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("shading_models/diffuse_transmission.wgsl": diffuse_transmission::{THICKNESS_STEPS, LEAST_THICKNESS_LOG});
     constants!("shading_models/subsurface.wgsl": subsurface::{LEAST_PATH_LOG, STEPS});
     constants!("shading_models/unlit.wgsl": unlit::{LARGEST_UNLIT});
+    constants!("effects/ambient_occlusion/lattice.wgsl": lattice::{SPACING});
     constants!("effects/auto_exposure/bindings.wgsl": key::{TILE_WIDTH, BINS});
     constants!("effects/auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});

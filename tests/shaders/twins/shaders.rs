@@ -172,6 +172,7 @@ pub fn all() -> &'static [Composed] {
                 "MATERIAL_BIND_GROUP=3",
                 "AVAILABLE_STORAGE_BUFFER_BINDINGS=16"
             ),
+            shader!("effects/ambient_occlusion/sparse_depth.wgsl",),
             shader!(
                 "effects/ambient_occlusion/gather.wgsl",
                 "COMPUTE",

@@ -22,8 +22,8 @@ impl OcclusionGpu {
     pub(super) fn layout(
         &self,
         stage: wgpu::ShaderStages,
-        output: Option<wgpu::TextureFormat>,
-        reads_occlusion: bool,
+        output: Option<(u32, wgpu::TextureFormat)>,
+        sampled: &[u32],
     ) -> wgpu::BindGroupLayout {
         use wgpu::BindingType as Type;
         let mut entries = vec![
@@ -51,16 +51,10 @@ impl OcclusionGpu {
                 Type::Sampler(wgpu::SamplerBindingType::NonFiltering),
             ),
         ];
-        if reads_occlusion {
+        entries.extend((sampled.iter()).map(|at| layout_entry(*at, stage, float_texture())));
+        if let Some((binding, format)) = output {
             entries.push(layout_entry(
-                numbers::OCCLUSION_TEXTURE,
-                stage,
-                float_texture(),
-            ));
-        }
-        if let Some(format) = output {
-            entries.push(layout_entry(
-                numbers::OUTPUT_TEXTURE,
+                binding,
                 stage,
                 Type::StorageTexture {
                     access: wgpu::StorageTextureAccess::WriteOnly,
@@ -85,6 +79,22 @@ impl OcclusionGpu {
             label: None,
             layout,
             entries,
+        })
+    }
+
+    pub(super) fn compute(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        source: &str,
+        definitions: Definitions,
+    ) -> wgpu::ComputePipeline {
+        (self.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: Some(&self.pipeline_layout(layout)),
+            module: &self.shader(source, definitions),
+            entry_point: Some("compute"),
+            compilation_options: Default::default(),
+            cache: None,
         })
     }
 

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Modules that `gather.wgsl` and `debug_view.wgsl` import, dependencies first.
-const MODULES: [WgslModule; 12] = [
+const MODULES: [WgslModule; 13] = [
     wgsl!("shader_library/layout.wgsl"),
     wgsl!("shader_library/tiles.wgsl"),
     wgsl!("shader_library/reconstruction/position.wgsl"),
@@ -28,9 +28,14 @@ const MODULES: [WgslModule; 12] = [
     wgsl!("shader_library/rounding.wgsl"),
     wgsl!("shader_library/reconstruction/normal_from_depth.wgsl"),
     wgsl!("effects/ambient_occlusion/bindings.wgsl"),
+    wgsl!("effects/ambient_occlusion/lattice.wgsl"),
     wgsl!("effects/ambient_occlusion/hbao.wgsl"),
     wgsl!("effects/ambient_occlusion/hdao.wgsl"),
 ];
+
+pub(super) fn sparse_depth() -> Cow<'static, str> {
+    shader_file(&wgsl!("effects/ambient_occlusion/sparse_depth.wgsl"))
+}
 
 pub(super) fn gather() -> Cow<'static, str> {
     shader_file(&wgsl!("effects/ambient_occlusion/gather.wgsl"))
