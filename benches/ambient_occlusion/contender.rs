@@ -212,6 +212,11 @@ impl Contender {
                     OcclusionKernel::Hdao => 1.0 + 32.0,
                 };
                 let normal = if shading { 4.0 } else { 0.0 };
+                // A texel of four bytes for every fourth pixel.
+                let sparse_depth = match settings.advanced.kernel {
+                    OcclusionKernel::Hbao => 1.0,
+                    OcclusionKernel::Hdao => 0.0,
+                };
                 // Lighting reads the depth anyway.
                 let blend = if self.lean {
                     0.0
@@ -227,12 +232,14 @@ impl Contender {
                     (true, false, true) => 24.0 + 4.0,
                 };
                 let filter_texels = if wide { 36.0 } else { 16.0 };
-                // A texel has one byte, once written and once read.
-                let own = share * 2.0 + blend;
+                // A texel of occlusion has one byte. Both textures are once written and once read.
+                let own = share * 2.0 + sparse_depth * 2.0 + blend;
                 Bytes {
                     compulsory: own,
-                    compulsory_with_depth: own + share * (4.0 + normal) + 4.0,
+                    // The pass that writes sparse depth reads a fourth of the depths, and all of their cache lines.
+                    compulsory_with_depth: own + share * (4.0 + normal) + 4.0 * sparse_depth + 4.0,
                     fetched: share * (1.0 + 4.0 * samples + normal)
+                        + 2.0 * sparse_depth
                         + filter_texels
                         + 4.0 * filter_depths
                         + merge_depth

@@ -103,7 +103,7 @@ pub fn measure(
     }
 }
 
-fn app(contender: &Contender, scene: BenchScene, size: UVec2, shows: bool) -> Headless {
+pub fn app(contender: &Contender, scene: BenchScene, size: UVec2, shows: bool) -> Headless {
     let mut headless = Headless::with(size, |app| {
         app.add_plugins((RenderDiagnosticsPlugin, naive::plugin));
         if shows && matches!(contender.occlusion, Some(Kind::Bevy(_))) {

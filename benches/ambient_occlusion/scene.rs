@@ -24,6 +24,8 @@ pub enum BenchScene {
     Wall,
     /// A floor that reaches from 3 m to 100 m.
     Plane,
+    /// A floor that fills the view of an eye this many metres above it, which looks down by 45°.
+    Floor(f64),
 }
 
 impl BenchScene {
@@ -32,6 +34,7 @@ impl BenchScene {
             Self::Boxes(_) => "boxes",
             Self::Wall => "wall",
             Self::Plane => "plane",
+            Self::Floor(_) => "floor",
         }
     }
 
@@ -52,6 +55,14 @@ impl BenchScene {
                 },
                 DVec3::new(0.0, 2.0, 0.0),
                 DVec3::new(0.0, 0.0, -6.0),
+            )),
+            Self::Floor(eye) => Some((
+                Geometry::Plane {
+                    point: DVec3::ZERO,
+                    normal: DVec3::Y,
+                },
+                DVec3::new(0.0, eye, 0.0),
+                DVec3::new(0.0, 0.0, -eye),
             )),
         }
     }
