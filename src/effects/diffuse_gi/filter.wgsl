@@ -1,7 +1,8 @@
 // Filters gathered light: weighted means of blocks of 4×4 texels, without those of other surfaces. Slices of each block cover the
 // hemisphere evenly, and those of 2×2 neighbouring blocks lie between each other. Whatever the texel, its weights of every second
-// block, along either axis, sum to half of all, and are continuous: neither blocks nor their differences are visible. Where fewer
-// blocks are on the surface, a narrower mean; at its edges that of the 4×4 texels around.
+// block, along either axis, sum to half of all, and are continuous: neither blocks nor their differences are visible. Beside edges, where
+// some blocks are not on the surface, the mean is continued to the texel by linear regression. With few of them, that of the 4×4 texels
+// around takes over.
 #import bevy_lean_deferred::gbuffer::layout::light::{LARGEST_HALF, pack_halves, unpack_halves}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
@@ -39,6 +40,11 @@ const MOST_TEXELS: f32 = 16.0;
 const FEWEST_TEXELS: f32 = 8.0;
 /// Weight of the blocks on the surface, at most 1, from which on they may take the place of the texels in full.
 const ENOUGH: f32 = 1.0 / 16.0;
+/// Mean square of the blocks' distances along an axis, in blocks: 3/4 of all blocks. Less here, because light falls more steeply than
+/// linearly into creases.
+const SPREAD: f32 = 0.625;
+/// Lower bound of the variance of these distances: bounds the weights.
+const LEAST_SPREAD: f32 = 0.2;
 /// Share of a texel's tolerance in depth that blocks have. They are up to eleven texels away, where the other face of an edge is still
 /// within the whole of it.
 const OF_BLOCKS: f32 = 1.0 / 8.0;
@@ -98,20 +104,11 @@ fn block_sums(plane: Plane, center: u32) -> Sums {
     return sums;
 }
 
-/// Weighted sums over the blocks around a texel.
+/// Light of the blocks around a texel.
 struct Around {
-    /// Of the nearest 3×3.
-    near: vec4<f32>,
-    near_weights: f32,
-    /// Of the nearest 5×5.
-    wide: vec4<f32>,
-    wide_weights: f32,
-}
-
-/// Weights of three blocks in a row for a texel at `part` of the middle one, 0 to 1: the blocks as steps, averaged over the width of
-/// two.
-fn near_weights(part: f32) -> array<f32, 3> {
-    return array<f32, 3>(0.5 * (1.0 - part), 0.5, 0.5 * part);
+    light: vec4<f32>,
+    /// Weights of the blocks on the surface, at most 1.
+    weights: f32,
 }
 
 /// Share below `x` of a triangle of area 1 from -2 to 2.
@@ -121,14 +118,15 @@ fn below(x: f32) -> f32 {
     return select(tail, 1.0 - tail, x > 0.0);
 }
 
-/// The same of five blocks: averaged over the width of two, twice.
-fn wide_weights(part: f32) -> array<f32, 5> {
+/// Weights of five blocks in a row for a texel at `part` of the middle one, 0 to 1: the blocks as steps, averaged over the width of
+/// two, twice.
+fn weights_along(part: f32) -> array<f32, 5> {
     let edges = vec4(below(-1.0 - part), below(-part), below(1.0 - part), below(2.0 - part));
     return array<f32, 5>(edges.x, edges.y - edges.x, edges.z - edges.y, edges.w - edges.z, 1.0 - edges.w);
 }
 
-/// Sums over the blocks around a texel, which is at `place` of the workgroup.
-fn sums_around(plane: Plane, place: vec2<u32>) -> Around {
+/// Light of the blocks around a texel, which is at `place` of the workgroup: their mean, continued to the texel by linear regression.
+fn light_around(plane: Plane, place: vec2<u32>) -> Around {
     let corner = place / BLOCK;
     let first_block = corner.x + BLOCKS * corner.y;
     // A block has the depth of its second texel along both axes.
@@ -138,46 +136,56 @@ fn sums_around(plane: Plane, place: vec2<u32>) -> Around {
         plane.depth - dot(plane.slope, inner + f32(2u * BLOCK - 1u)), plane.slope, plane.inverse_step / OF_BLOCKS,
     );
     let part = (inner + 0.5) / f32(BLOCK);
-    let wide_x = wide_weights(part.x);
-    let wide_y = wide_weights(part.y);
-    let near_x = near_weights(part.x);
-    let near_y = near_weights(part.y);
-    var around = Around(vec4(0.0), 1e-6, vec4(0.0), 1e-6);
+    let along_x = weights_along(part.x);
+    let along_y = weights_along(part.y);
+    var weights: array<f32, 25>;
+    var sum = 1e-6;
+    var moment = vec2(0.0);
     for (var y = 0u; y < 5u; y++) {
+        var of_row = 0.0;
         for (var x = 0u; x < 5u; x++) {
-            let of_block = unpack_halves(light[first_block + (x + BLOCKS * y)]);
             let depth = depths[first_depth + BLOCK * (x + CACHE_SIDE * y)];
             let alike = weight_on(at_first, depth, f32(BLOCK) * vec2(f32(x), f32(y)));
-            let wide = wide_x[x] * wide_y[y] * alike;
-            around.wide += of_block * wide;
-            around.wide_weights += wide;
-            if x > 0u && x < 4u && y > 0u && y < 4u {
-                let near = near_x[x - 1u] * near_y[y - 1u] * alike;
-                around.near += of_block * near;
-                around.near_weights += near;
-            }
+            let weight = along_x[x] * along_y[y] * alike;
+            weights[x + 5u * y] = weight;
+            of_row += weight;
+            moment.x += weight * f32(x);
+        }
+        sum += of_row;
+        moment.y += of_row * f32(y);
+    }
+    // Mean place of these blocks, in blocks from the first one and from the texel. 0 from the texel if all count.
+    let center = moment / sum;
+    let off = center - 1.5 - part;
+    // Change of the weights per block. The sum of the weights stays.
+    let slope = off / max(SPREAD - dot(off, off), LEAST_SPREAD);
+    let at_first_block = 1.0 + dot(slope, center);
+    var light_sum = vec4(0.0);
+    for (var y = 0u; y < 5u; y++) {
+        for (var x = 0u; x < 5u; x++) {
+            let weight = weights[x + 5u * y] * (at_first_block - slope.y * f32(y) - slope.x * f32(x));
+            light_sum += unpack_halves(light[first_block + (x + BLOCKS * y)]) * weight;
         }
     }
-    return around;
+    return Around(max(light_sum, vec4(0.0)) / sum, sum);
 }
 
 /// Light of a texel at `place` of the workgroup, on this plane, whose index is `center`.
 fn filtered(plane: Plane, place: vec2<u32>, center: u32) -> vec4<f32> {
-    let around = sums_around(plane, place);
-    var narrower = around.near / around.near_weights;
-    let near_share = saturate(3.0 * around.near_weights - 2.0);
-    if near_share < 1.0 {
-        let own = block_sums(plane, center);
-        let mean = own.light / own.weights;
-        let brightness = total(mean.rgb);
-        let variation = own.squares / own.weights / max(brightness * brightness, 1e-12) - 1.0;
-        let is_sparse = saturate((variation - SPARSE) / (SPARSEST - SPARSE));
-        let is_small = saturate((MOST_TEXELS - own.weights) / (MOST_TEXELS - FEWEST_TEXELS));
-        let share = max(is_sparse, is_small) * saturate(around.near_weights / ENOUGH);
-        narrower = mix(mean, narrower, max(share, near_share));
+    let around = light_around(plane, place);
+    // From half of the weights on, as beside an edge, blocks count in full.
+    let share_of_blocks = saturate(4.0 * around.weights - 1.0);
+    if share_of_blocks == 1.0 {
+        return around.light;
     }
-    let wide_share = saturate(4.0 * around.wide_weights - 3.0);
-    return mix(narrower, around.wide / around.wide_weights, wide_share);
+    let own = block_sums(plane, center);
+    let mean = own.light / own.weights;
+    let brightness = total(mean.rgb);
+    let variation = own.squares / own.weights / max(brightness * brightness, 1e-12) - 1.0;
+    let is_sparse = saturate((variation - SPARSE) / (SPARSEST - SPARSE));
+    let is_small = saturate((MOST_TEXELS - own.weights) / (MOST_TEXELS - FEWEST_TEXELS));
+    let share = max(is_sparse, is_small) * saturate(around.weights / ENOUGH);
+    return mix(mean, around.light, max(share, share_of_blocks));
 }
 
 @compute @workgroup_size(256, 1, 1)
