@@ -240,6 +240,38 @@ fn synchronous_apps_compile_lighting_once() {
     });
 }
 
+/// Number of Bevy's pipelines for opaque meshes that were requested so far.
+fn opaque_pipelines_of_bevy(headless: &Headless) -> usize {
+    let render_world = headless.app.sub_app(RenderApp).world();
+    let pipelines = render_world.resource::<PipelineCache>().pipelines();
+    let of_bevy = |pipeline: &&CachedPipeline| match &pipeline.descriptor {
+        PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
+            descriptor.label.as_deref() == Some("pbr_opaque_mesh_pipeline")
+        }
+        PipelineDescriptor::ComputePipelineDescriptor(_) => false,
+    };
+    pipelines.filter(of_bevy).count()
+}
+
+/// Where each pipeline delays a frame, Bevy's are compiled for the meshes that forward draws alone.
+#[test]
+fn meshes_in_the_gbuffer_ask_bevy_for_no_pipeline() {
+    in_own_process(|| {
+        let (mut headless, subject) = app(true, &[], |_| {});
+        let before = opaque_pipelines_of_bevy(&headless);
+        let other_kind = |material: &mut StandardMaterial| material.cull_mode = None;
+        set_material(headless.world(), &subject.material, other_kind);
+        headless.frames(HELD_BACK);
+        assert_lean(&mut headless, &subject, "another kind of mesh");
+        assert_eq!(opaque_pipelines_of_bevy(&headless), before);
+        // Forward draws it.
+        let unmet = |material: &mut StandardMaterial| material.depth_bias = 100.0;
+        set_material(headless.world(), &subject.material, unmet);
+        headless.frames(HELD_BACK);
+        assert!(opaque_pipelines_of_bevy(&headless) > before);
+    });
+}
+
 /// Pipelines that fitted the scene go on when it has less to show.
 #[test]
 fn what_goes_needs_no_pipeline() {
