@@ -98,7 +98,8 @@ fn check_trails(motion: bool) {
     let mut headless = Headless::new(SMALL);
     type Make<'a> = &'a dyn Fn(&mut Headless, bool);
     // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept, and shows the mean
-    // of four frames, which are clamped if motion vectors tell that the box moves.
+    // of four frames, which are clamped if motion vectors tell that the box moves. On a diffuse floor the means of blocks are continued to
+    // the edge of the box, of blocks whose light is partly unknown while it moves.
     let of_rough = if motion { 3.5 } else { 5.2 };
     let make: [(&str, f32, Make); 3] = [
         ("mirror", 0.5, &|headless, motion| {
@@ -107,7 +108,7 @@ fn check_trails(motion: bool) {
         ("rough", of_rough, &|headless, motion| {
             moving_box(headless, motion, metal(0.3), reflections());
         }),
-        ("diffuse", 0.5, &|headless, motion| {
+        ("diffuse", 2.0, &|headless, motion| {
             moving_box(headless, motion, surface(0.5, 0.0), gi());
         }),
     ];
