@@ -156,9 +156,9 @@ mod pages {
     struct Profiling;
 }
 
-/// The plugins, the components of cameras with their levels and reports, and materials. All else is in its module: parts of settings,
-/// such as [`OcclusionFilter`](crate::effects::ambient_occlusion::OcclusionFilter), single plugins, and
-/// [`ForwardReason`](crate::gbuffer::ForwardReason).
+/// The plugins, the components of cameras with their levels and reports, and materials. All else is at the root of the crate
+/// ([`LeanPrewarm`], [`LightCulling`], single plugins) or in its module: parts of settings, such as
+/// [`OcclusionFilter`](crate::effects::ambient_occlusion::OcclusionFilter), and [`ForwardReason`](crate::gbuffer::ForwardReason).
 pub mod prelude {
     pub use crate::{
         CameraCut, DebugView, EffectStatus, LeanAutoExposure, LeanDebugView, LeanDeferred,
