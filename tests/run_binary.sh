@@ -1,5 +1,5 @@
 #!/bin/sh
-# Called by `run.sh`: runs a test binary, unless it has passed as it is. What it prints comes in one piece.
+# Called by `run.sh`: runs a test binary, unless it has passed as it is. Its results come in one piece; how long slow tests took, at once.
 set -eu
 binary=$1
 name=$(basename "$binary")
@@ -21,7 +21,7 @@ case $name in apps-* | gbuffer-* | soak-*) layer=all ;; *) layer=${LEAN_TEST_LAY
 printed=$(mktemp)
 result=passed
 # shellcheck disable=SC2086 # none, or one argument
-"$binary" "--test-threads=$threads" $nightly >"$printed" 2>&1 || result=failed
+"$binary" "--test-threads=$threads" $nightly >"$printed" || result=failed
 cat "$printed"
 rm "$printed"
 echo "$name: $result in $(($(date +%s) - started)) s"
