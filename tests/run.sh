@@ -33,7 +33,7 @@ CARGO_MANIFEST_DIR=$PWD
 export CARGO_MANIFEST_DIR LEAN_PASSED common nightly
 # Two at a time: the last test of a binary leaves a core to those of the next one.
 failed=""
-printf '%s\n' $built | xargs -P 2 -n 1 sh tests/run_binary.sh || failed=" tests"
+printf '%s\n' $built | xargs -P 2 -n 1 sh tests/run_binary.sh || failed=" tests, named above"
 cargo test --doc || failed="$failed documentation"
 [ -z "$failed" ] || {
     echo "failed:$failed"

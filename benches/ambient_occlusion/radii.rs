@@ -1,6 +1,6 @@
 //! Times by the radius on the screen: of a floor that fills the view, from several heights.
 
-use bevy::{diagnostic::DiagnosticsStore, prelude::*, render::RenderApp};
+use bevy::{prelude::*, render::RenderApp};
 use bevy_lean_deferred::effects::TimesEachDispatch;
 use kit::gpu_time::Samples;
 
@@ -63,11 +63,5 @@ fn samples(contender: &Contender, eye: f64, size: UVec2, args: &Args, one_by_one
         render_app.insert_resource(TimesEachDispatch);
     }
     headless.settle();
-    headless.frames(args.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..args.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
-    samples
+    Samples::of_frames(&mut headless, args.warm_up, args.frames)
 }

@@ -7,7 +7,6 @@ use bevy::{
         schedule::{Core3d, Core3dSystems},
         tonemapping::{DebandDither, Tonemapping},
     },
-    diagnostic::DiagnosticsStore,
     prelude::*,
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin, renderer::RenderContext},
 };
@@ -46,12 +45,7 @@ pub fn measure(
     };
     let mut headless = app(contender, boxes, size, false);
     headless.settle();
-    headless.frames(args.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..args.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
+    let samples = Samples::of_frames(&mut headless, args.warm_up, args.frames);
     let device = headless.adapter_and_driver();
     drop(headless);
 

@@ -4,7 +4,6 @@ use bevy::{
     asset::RenderAssetUsages,
     camera::{Hdr, ScalingMode},
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
-    diagnostic::DiagnosticsStore,
     image::{ImageSampler, ToExtents},
     post_process::auto_exposure::{AutoExposure, AutoExposurePlugin},
     prelude::*,
@@ -116,12 +115,7 @@ pub fn measure(picture: Picture, truth: &Truth, args: &Args) -> Vec<Measurement>
 fn run(headless: &mut Headless, kind: &Kind, args: &Args) -> Measured {
     let camera = spawn_camera(headless, kind);
     headless.settle();
-    headless.frames(args.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..args.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
+    let samples = Samples::of_frames(headless, args.warm_up, args.frames);
     let span = match kind {
         Kind::Lean(_) => "lean_deferred/effects/auto_exposure",
         Kind::Bevy(_) => "auto_exposure",

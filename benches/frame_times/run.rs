@@ -3,7 +3,6 @@
 use bevy::{
     camera::Hdr,
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
-    diagnostic::DiagnosticsStore,
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     render::diagnostic::RenderDiagnosticsPlugin,
@@ -181,12 +180,7 @@ pub fn measure(
         exchange_light(&mut headless, exchange);
         headless.settle();
     }
-    headless.frames(warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
+    let samples = Samples::of_frames(&mut headless, warm_up, frames);
     let (geometry, lighting) = contender.spans();
     let (bytes_written_by_geometry, bytes_in_all) =
         contender.bytes_per_pixel(gbuffer_bytes(&mut headless), scene.special().wants_motion());

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use bevy::{
     camera::{Hdr, visibility::VisibleEntities},
-    diagnostic::DiagnosticsStore,
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     reflect::structs::Struct,
@@ -90,7 +89,7 @@ pub fn measure(
         let place = (views[view].transform(), CameraCut);
         headless.world().entity_mut(camera).insert(place);
         headless.settle();
-        let samples = sample(&mut headless, extent);
+        let samples = Samples::of_frames(&mut headless, extent.warm_up, extent.frames);
         if contender.is_lean() && usage(&headless, camera).is_none() {
             return Err(format!("{}: the lean camera was drawn forward", level.name));
         }
@@ -139,16 +138,6 @@ fn spawn_camera(
     let camera = camera.id();
     world.flush();
     camera
-}
-
-fn sample(headless: &mut Headless, extent: Extent) -> Samples {
-    headless.frames(extent.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..extent.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
-    samples
 }
 
 /// Targets of a lean camera's G-buffer; `None` while it has none.

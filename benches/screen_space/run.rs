@@ -2,7 +2,6 @@
 
 use bevy::{
     camera::Hdr,
-    diagnostic::DiagnosticsStore,
     light::AmbientLight,
     prelude::*,
     render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
@@ -106,16 +105,6 @@ pub fn errors(contender: Contender, size: UVec2) -> Vec<KnownError> {
     }
 }
 
-fn sample(headless: &mut Headless, args: &Args) -> Samples {
-    headless.frames(args.warm_up);
-    let mut samples = Samples::default();
-    for _ in 0..args.frames {
-        headless.frames(1);
-        samples.take(headless.app.world().resource::<DiagnosticsStore>());
-    }
-    samples
-}
-
 pub fn measure(
     contender: Contender,
     size: UVec2,
@@ -148,7 +137,7 @@ pub fn measure(
     ));
     contender.dress(&mut camera);
     headless.settle();
-    let samples = sample(&mut headless, args);
+    let samples = Samples::of_frames(&mut headless, args.warm_up, args.frames);
     if let Some(folder) = &args.pictures {
         let name = contender.name().replace([' ', ','], "_");
         let file = format!("{name}_{}x{}.png", size.x, size.y);
@@ -161,7 +150,7 @@ pub fn measure(
     } else {
         let render_app = headless.app.sub_app_mut(RenderApp);
         render_app.insert_resource(TimesEachDispatch);
-        sample(&mut headless, args)
+        Samples::of_frames(&mut headless, args.warm_up, args.frames)
     };
     let times = |samples: &Samples, spans: &[&str]| {
         let times = spans.iter().filter_map(|name| samples.time(name));

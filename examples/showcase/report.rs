@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::{camera::Exposure, diagnostic::DiagnosticsStore, prelude::*};
+use bevy::{camera::Exposure, prelude::*};
 use bevy_lean_deferred::gbuffer::GBufferUsage;
 use figures::{table::Table, time::Time};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -214,11 +214,7 @@ impl Report {
         if !self.settings.effects.is_empty() {
             self.headless.frames(FRAMES_OF_EFFECTS);
         }
-        let mut samples = Samples::default();
-        for _ in 0..self.frames {
-            self.headless.frames(1);
-            samples.take(self.headless.app.world().resource::<DiagnosticsStore>());
-        }
+        let samples = Samples::of_frames(&mut self.headless, 0, self.frames);
         Shot {
             picture: self.headless.capture(),
             samples,

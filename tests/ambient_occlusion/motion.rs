@@ -12,6 +12,7 @@ use crate::views::{RADIUS, SIZE, Seen, View, run_by, sphere, wall};
 use kit::{
     occlusion::{errors::Errors, geometry::Geometry, solids::Hit},
     occlusion_gpu::{OcclusionGpu, Path},
+    skipped::occlusion_by_compute,
 };
 
 struct Frame {
@@ -130,11 +131,9 @@ fn occlusion_stays_where_it_is_while_the_camera_turns() {
 /// Close to the camera, where distant samples are from lattices of pixels, no more changes than if all were dense.
 #[test]
 fn lattices_do_not_flicker_while_the_camera_turns() {
-    let gpu = OcclusionGpu::new();
-    if gpu.path() == Path::Raster {
-        println!("skipped: occlusion by compute: the device has no storage textures of its format");
+    let Some(gpu) = occlusion_by_compute() else {
         return;
-    }
+    };
     let seen = [0.0, 0.1].map(|pixels| {
         let view = turned(wall(), pixels * pixel_angle());
         Rc::new(view.with_size(4 * SIZE.with_x(SIZE.y)).seen())

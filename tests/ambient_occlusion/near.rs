@@ -8,6 +8,7 @@ use bevy_lean_deferred::{
 use kit::{
     occlusion::{depth_buffer::pixels, errors::Errors},
     occlusion_gpu::{DepthImage, OcclusionGpu, Path},
+    skipped::occlusion_by_compute,
 };
 
 use crate::views::{RADIUS, groove, plane, run_by, sphere, wall};
@@ -26,16 +27,6 @@ fn presets() -> impl Iterator<Item = (String, LeanScreenSpaceAmbientOcclusion)> 
     presets.into_iter().chain([("Medium, half".into(), half)])
 }
 
-/// `None` on devices whose compute shaders cannot store occlusion: there no sample is from a lattice.
-fn gpu() -> Option<OcclusionGpu> {
-    let gpu = OcclusionGpu::new();
-    if gpu.path() == Path::Raster {
-        println!("skipped: occlusion by compute: the device has no storage textures of its format");
-        return None;
-    }
-    Some(gpu)
-}
-
 /// Occlusion as it is stored, and filtered.
 fn computed(
     gpu: &OcclusionGpu,
@@ -49,7 +40,9 @@ fn computed(
 /// The same view has the same errors with a radius of 30 to 60 pixels and with one of 120 to 240.
 #[test]
 fn closed_forms_hold_near_the_camera() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = occlusion_by_compute() else {
+        return;
+    };
     for view in [wall, groove, sphere] {
         let errors = |height: u32| {
             let view = view().with_size(UVec2::new(height, height));
@@ -74,7 +67,9 @@ fn closed_forms_hold_near_the_camera() {
 /// Samples of lattices are exact depths of other pixels, at exact distances.
 #[test]
 fn planes_near_the_camera_are_not_occluded() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = occlusion_by_compute() else {
+        return;
+    };
     for tilt in [0.0, 45.0, 80.0, 88.0] {
         // Odd sides have lattices of different sizes.
         let view = plane(f64::to_radians(tilt), 1.0).with_size(UVec2::new(483, 961));
@@ -91,7 +86,9 @@ fn planes_near_the_camera_are_not_occluded() {
 /// A part of the depth texture has the occlusion that it has alone.
 #[test]
 fn lattices_are_those_of_the_viewport() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = occlusion_by_compute() else {
+        return;
+    };
     let size = UVec2::new(301, 482);
     let seen = wall().with_size(size).seen_within(0.0);
     let (origin, whole) = (UVec2::new(7, 5), UVec2::new(320, 500));
@@ -131,7 +128,9 @@ const PLACES: [u32; 4] = [320, 321, 322, 323];
 
 #[test]
 fn thin_poles_near_the_camera_have_no_halo() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = occlusion_by_compute() else {
+        return;
+    };
     for (axis, place) in AXES
         .into_iter()
         .flat_map(|axis| PLACES.map(|place| (axis, place)))
@@ -149,7 +148,9 @@ fn thin_poles_near_the_camera_have_no_halo() {
 /// slice a place's only pixels may sample along the pole: then the mean of all places counts.
 #[test]
 fn thin_poles_near_the_camera_are_not_lost() {
-    let Some(gpu) = gpu() else { return };
+    let Some(gpu) = occlusion_by_compute() else {
+        return;
+    };
     for ((name, settings), axis) in presets().flat_map(|of| AXES.map(|axis| (of.clone(), axis))) {
         let of_places = PLACES.map(|place| {
             let image = pole(0.3 * RADIUS, |pixel| pixel[axis] == place);

@@ -253,7 +253,7 @@ fn opaque_pipelines_of_bevy(headless: &Headless) -> usize {
     pipelines.filter(of_bevy).count()
 }
 
-/// Where each pipeline delays a frame, Bevy's are compiled for the meshes that forward draws alone.
+/// Bevy's pipelines are compiled for the meshes that forward draws alone, if each delays a frame.
 #[test]
 fn meshes_in_the_gbuffer_ask_bevy_for_no_pipeline() {
     in_own_process(|| {

@@ -8,6 +8,8 @@ use bevy::{
 };
 pub use figures::time::Time;
 
+use crate::headless::Headless;
+
 /// GPU times by span name.
 pub struct Samples {
     times: HashMap<String, Vec<f64>>,
@@ -25,6 +27,17 @@ impl Default for Samples {
 }
 
 impl Samples {
+    /// Renders `warm_up` frames, and then those that it records.
+    pub fn of_frames(headless: &mut Headless, warm_up: usize, frames: usize) -> Self {
+        headless.frames(warm_up);
+        let mut samples = Self::default();
+        for _ in 0..frames {
+            headless.frames(1);
+            samples.take(headless.app.world().resource::<DiagnosticsStore>());
+        }
+        samples
+    }
+
     /// Records the newest value of each span.
     pub fn take(&mut self, store: &DiagnosticsStore) {
         for diagnostic in store.iter() {

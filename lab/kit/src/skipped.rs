@@ -8,7 +8,13 @@ use bevy::render::{
 use bevy_lean_deferred::effects::subsurface::missing_for_scattering;
 use wgpu::{Features, Limits};
 
-use crate::{device::BINDING_ARRAYS, gpu, headless::Headless, own_process::in_own_process};
+use crate::{
+    device::BINDING_ARRAYS,
+    gpu,
+    headless::Headless,
+    occlusion_gpu::{OcclusionGpu, Path},
+    own_process::in_own_process,
+};
 
 /// True if a device with these limits supports subsurface scattering. Says so if not.
 pub fn has_room_for_scattering(limits: &Limits) -> bool {
@@ -25,6 +31,16 @@ pub fn where_light_scatters<F: FnOnce()>(body: F) {
     if has_room_for_scattering(&device.limits()) {
         in_own_process(body);
     }
+}
+
+/// `None` on devices whose compute shaders cannot store ambient occlusion. Says so there.
+pub fn occlusion_by_compute() -> Option<OcclusionGpu> {
+    let gpu = OcclusionGpu::new();
+    if gpu.path() == Path::Raster {
+        println!("skipped: occlusion by compute: the device has no storage textures of its format");
+        return None;
+    }
+    Some(gpu)
 }
 
 /// True if a part of a test is skipped for want of binding arrays. Says so if it is.

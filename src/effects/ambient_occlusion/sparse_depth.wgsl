@@ -17,7 +17,7 @@ fn compute(
     for (var i = 0; i < 4; i++) {
         let parity = vec2(i & 1, i >> 1u);
         let pixel = block * SPACING + first_of_lattice(parity);
-        // No sample reads those outside the view.
+        // Samples outside the view count for nothing.
         let depth = depth_at(min(pixel, size - 1));
         textureStore(sparse_depth_output, corner_of_lattice(parity, size) + block, vec4(depth));
     }
