@@ -1,11 +1,14 @@
 //! Occlusion in the pictures of lean cameras.
 
 use bevy::{
+    camera::Viewport,
     light::{EnvironmentMapLight, GlobalAmbientLight},
     prelude::*,
 };
 use bevy_lean_deferred::{
-    effects::ambient_occlusion::{LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication},
+    effects::ambient_occlusion::{
+        LeanScreenSpaceAmbientOcclusionAdvanced, OcclusionApplication, OcclusionFilter,
+    },
     prelude::*,
 };
 
@@ -343,6 +346,53 @@ fn infinitely_far_surfaces_are_open() {
         assert!(lit > 4000);
         assert_eq!(changed, 0);
         assert_eq!(after.count(|i| !after.rgb(i).is_finite()), 0);
+    }
+    log_watch::assert_validation_layer_silent();
+}
+
+/// The bytes of the occlusion's textures.
+fn bytes(stage: &mut Stage) -> u64 {
+    let memory = stage.headless.world().get::<LeanMemory>(stage.camera);
+    memory.expect("it is inserted").ambient_occlusion
+}
+
+/// The filter reads texels beyond the last ones of the view, which textures with headroom have.
+#[test]
+fn textures_with_headroom_have_the_occlusion_of_others() {
+    let mut wide = default();
+    wide.advanced.filter = OcclusionFilter::Wide;
+    let half = LeanScreenSpaceAmbientOcclusion {
+        resolution: LeanResolution::Half,
+        ..default()
+    };
+    for (name, settings) in [("narrow", default()), ("wide", wide), ("half", half)] {
+        for is_lean in [true, false] {
+            let mut stage = Stage::new(lit_indirectly);
+            stage.insert((settings, LeanMemory::default()));
+            if is_lean {
+                stage.insert(LeanDeferred::default());
+            }
+            stage.picture();
+            for width in [150, 160, 170, 181] {
+                let physical_size = UVec2::new(width, 99 + width / 2);
+                let camera = stage.camera;
+                let mut camera = stage.entity(camera);
+                let mut camera = camera.get_mut::<Camera>().expect("it is one");
+                camera.viewport = Some(Viewport {
+                    physical_size,
+                    ..Default::default()
+                });
+                stage.headless.frames(3);
+            }
+            let with_headroom = stage.picture();
+            let large = bytes(&mut stage);
+            stage.headless.frames(70);
+            let exact = stage.picture();
+            let small = bytes(&mut stage);
+            println!("{name}, lean: {is_lean}: {large} and {small} bytes");
+            assert!(large as f32 > 1.2 * small as f32);
+            assert_eq!(with_headroom.different(&exact), 0);
+        }
     }
     log_watch::assert_validation_layer_silent();
 }

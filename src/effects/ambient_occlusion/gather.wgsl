@@ -107,6 +107,16 @@ fn occlusion_at(texel: vec2<u32>, phase: u32) -> f32 {
 #import bevy_lean_deferred::effects::ambient_occlusion::bindings::output_texture
 #import bevy_lean_deferred::tiles::pixel_in_view
 
+/// Stores a texel. Those of the last column and row are repeated, if the texture has room: the filter reads two texels further.
+fn store(texel: vec2<u32>, occlusion: f32) {
+    let repeated = select(vec2(0u), vec2(2u), texel + 1u == view.texture_size);
+    for (var y = 0u; y <= repeated.y; y++) {
+        for (var x = 0u; x <= repeated.x; x++) {
+            textureStore(output_texture, texel + vec2(x, y), vec4(occlusion, 0.0, 0.0, 0.0));
+        }
+    }
+}
+
 /// 64 invocations compute 16×16 texels, one phase after the other, so that a subgroup samples one direction at a time.
 @compute @workgroup_size(64, 1, 1)
 fn compute(
@@ -121,7 +131,7 @@ fn compute(
     for (var phase = 0u; phase < 4u; phase++) {
         let texel = block + place_of(phase);
         if all(texel < view.texture_size) {
-            textureStore(output_texture, texel, vec4(occlusion_at(texel, phase), 0.0, 0.0, 0.0));
+            store(texel, occlusion_at(texel, phase));
         }
     }
 }

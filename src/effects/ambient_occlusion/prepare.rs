@@ -34,12 +34,14 @@ use super::{
 use crate::{
     gbuffer::GBufferTextures,
     gpu::{
-        bind_group_cache::CachedBindGroup, storage_texture::StorageTexture,
-        texture_bytes::texture_bytes,
+        bind_group_cache::CachedBindGroup, growing_size::GrowingSize,
+        storage_texture::StorageTexture, texture_bytes::texture_bytes,
     },
     shader_library::reconstruction::position::without_scale,
     view::{AmbientOcclusion, FrameAveraging, OutOfMemory},
 };
+
+const LABEL: &str = "lean_deferred/effects/ambient_occlusion";
 
 /// Uniforms of all views.
 #[derive(Resource, Default)]
@@ -108,42 +110,54 @@ pub(super) fn write_occlusion_uniforms(
 /// Textures of a view with ambient occlusion.
 #[derive(Component)]
 pub struct OcclusionTextures {
-    /// Occlusion at full or half the size of the viewport. 0 is unoccluded.
+    /// Occlusion at full or half the size of the viewport, with headroom while that changes. 0 is unoccluded.
     pub(super) occlusion: CachedTexture,
     /// Depths of the lattices, for gathers that read them.
     sparse_depth: Option<StorageTexture>,
+    growing: GrowingSize,
+}
+
+/// Sizes and usages of these textures.
+#[derive(Clone, Copy, PartialEq)]
+struct TexturesNeeded {
+    /// Of the occlusion, in texels.
+    size: UVec2,
+    usage: TextureUsages,
+    sparse_depth_size: Option<UVec2>,
 }
 
 impl OcclusionTextures {
-    fn new(
-        device: &RenderDevice,
-        occlusion: &TextureDescriptor,
-        sparse_depth_size: Option<UVec2>,
-    ) -> Self {
-        let texture = device.create_texture(occlusion);
+    fn new(device: &RenderDevice, needed: TexturesNeeded) -> Self {
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some(LABEL),
+            size: needed.size.to_extents(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format: FORMAT,
+            usage: needed.usage,
+            view_formats: &[],
+        });
         let default_view = texture.create_view(&TextureViewDescriptor::default());
         Self {
             occlusion: CachedTexture {
                 texture,
                 default_view,
             },
-            sparse_depth: sparse_depth_size.map(|size| {
+            sparse_depth: needed.sparse_depth_size.map(|size| {
                 let label = "lean_deferred/effects/ambient_occlusion/sparse_depth";
                 StorageTexture::new(device, label, size, SPARSE_DEPTH_FORMAT)
             }),
+            growing: default(),
         }
     }
 
-    fn are_as_asked(
-        &self,
-        occlusion: &TextureDescriptor,
-        sparse_depth_size: Option<UVec2>,
-    ) -> bool {
+    fn are_as(&self, needed: TexturesNeeded) -> bool {
         let texture = &self.occlusion.texture;
         let sparse_depth = self.sparse_depth.as_ref();
-        (texture.size(), texture.usage()) == (occlusion.size, occlusion.usage)
+        (texture.size(), texture.usage()) == (needed.size.to_extents(), needed.usage)
             && sparse_depth.map(|held| held.texture.size())
-                == sparse_depth_size.map(|size| size.to_extents())
+                == needed.sparse_depth_size.map(|size| size.to_extents())
     }
 
     pub(super) fn bytes(&self) -> u64 {
@@ -156,7 +170,7 @@ impl OcclusionTextures {
 }
 
 /// Creates the textures of active views, and gives lighting the occlusion that it reads: as [`AmbientOcclusion`]. Textures are kept
-/// while their sizes and usages stay the same.
+/// while they are large enough and their usages stay the same.
 pub(super) fn prepare_occlusion_textures(
     mut commands: Commands,
     render_device: Res<RenderDevice>,
@@ -165,53 +179,55 @@ pub(super) fn prepare_occlusion_textures(
         Entity,
         &ActiveOcclusion,
         &ViewOcclusion,
-        Option<&OcclusionTextures>,
+        Option<&mut OcclusionTextures>,
         Option<&mut AmbientOcclusion>,
     )>,
 ) {
+    let largest = render_device.limits().max_texture_dimension_2d;
     for (entity, active, view, current, given) in &mut views {
-        let usage = match active.gather {
-            Some(GatherPipeline::Compute { .. }) => TextureUsages::STORAGE_BINDING,
-            Some(GatherPipeline::Raster(_)) => TextureUsages::RENDER_ATTACHMENT,
-            None => {
-                if current.is_some() {
-                    commands
-                        .entity(entity)
-                        .remove::<(OcclusionTextures, AmbientOcclusion)>();
-                }
-                continue;
+        let Some(pipeline) = active.gather else {
+            if current.is_some() {
+                commands
+                    .entity(entity)
+                    .remove::<(OcclusionTextures, AmbientOcclusion)>();
             }
+            continue;
         };
-        let label = "lean_deferred/effects/ambient_occlusion";
-        // Without headroom for views that grow: the filter's gathers repeat the texture's border, which has to be that of the view.
-        let descriptor = TextureDescriptor {
-            label: Some(label),
-            size: view.uniform.texture_size.to_extents(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: FORMAT,
+        let is_compute = matches!(pipeline, GatherPipeline::Compute { .. });
+        let usage = if is_compute {
+            TextureUsages::STORAGE_BINDING
+        } else {
+            TextureUsages::RENDER_ATTACHMENT
+        };
+        let divisor = active.settings.resolution.divisor();
+        let needed = |size| TexturesNeeded {
+            size,
             usage: usage | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC,
-            view_formats: &[],
+            sparse_depth_size: (active.key.reads_sparse_depth())
+                .then(|| lattice::texture_size(size * divisor)),
         };
-        let reads_sparse_depth = active.key.reads_sparse_depth();
-        let sparse_depth_size =
-            reads_sparse_depth.then(|| lattice::texture_size(view.viewport.physical_size));
+        let mut growing = current
+            .as_ref()
+            .map(|current| current.growing)
+            .unwrap_or_default();
+        // The raster pass does not repeat the last texels for the filter, so its textures have no headroom.
+        let size = growing.fit(view.uniform.texture_size, largest, !is_compute);
         let mut made = None;
         let textures = match current {
-            Some(current) if current.are_as_asked(&descriptor, sparse_depth_size) => current,
+            Some(current) if current.are_as(needed(size)) => current.into_inner(),
             _ => {
-                let make =
-                    || OcclusionTextures::new(&render_device, &descriptor, sparse_depth_size);
-                let Some(textures) = memory.fit(&render_device, entity, label, make) else {
+                let make = |size| OcclusionTextures::new(&render_device, needed(size));
+                let fitting = memory.fit_growing(&render_device, entity, LABEL, &mut growing, make);
+                let Some(textures) = fitting else {
                     commands
                         .entity(entity)
                         .remove::<(OcclusionTextures, AmbientOcclusion)>();
                     continue;
                 };
-                &*made.insert(textures)
+                made.insert(textures)
             }
         };
+        textures.growing = growing;
         let is_read = active.merge.is_none();
         let texture = textures.occlusion.default_view.clone();
         let occlusion = view.uniform.for_lighting(&active.settings, texture);
