@@ -108,3 +108,49 @@ impl Placement {
         self.has_targets && self.is_lit
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::view::LightingVariants;
+
+    /// Each output is a pipeline. A mesh is drawn with those of its material, in motion or not, with layers or not, on views with any
+    /// targets.
+    #[test]
+    fn meshes_of_a_material_have_few_outputs() {
+        let all_sets = || (0..16).map(GBufferTargets::from_bits_truncate);
+        let of_instances = GBufferTargets::MOTION | GBufferTargets::VISIBILITY_MASK;
+        let of_material = [
+            (GBufferTargets::empty(), 22),
+            (GBufferTargets::EMISSIVE, 30),
+            (GBufferTargets::SPECIALIZATION, 30),
+            (
+                GBufferTargets::EMISSIVE | GBufferTargets::SPECIALIZATION,
+                34,
+            ),
+        ];
+        for (own, expected) in of_material {
+            for is_alpha_masked in [false, true] {
+                let mut outputs = HashSet::new();
+                for of_instance in all_sets().filter(|set| of_instances.contains(*set)) {
+                    let demand = Demand {
+                        targets: own | of_instance,
+                        variants: LightingVariants::empty(),
+                    };
+                    let mesh = MeshDemand {
+                        demand,
+                        is_alpha_masked,
+                    };
+                    for available in all_sets() {
+                        for in_two_phases in [false, true] {
+                            outputs.insert(MeshOutput::of(mesh, available, in_two_phases));
+                        }
+                    }
+                }
+                assert_eq!(outputs.len(), expected, "{own:?}");
+            }
+        }
+    }
+}
