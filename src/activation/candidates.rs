@@ -125,28 +125,33 @@ impl PipelineSelection<'_> {
         Some(best)
     }
 
-    /// Sets the pipelines of `lighting` to those that fit `key` or a prewarmed level, keeps them if they fit more than that, or else
-    /// sets them to general ones. Tells if they are compiled. Queues missing ones that fit, unless others light the view and each
-    /// new one delays the frame, or a prewarmed level has it.
+    /// Sets the pipelines of `lighting` to those that fit `key`, or else to the closest ones that light the view too, or else to general
+    /// ones. Tells if they are compiled. Queues missing ones that fit, unless a prewarmed level has the view, or others light it and each
+    /// new one delays the frame.
     fn is_lit(&mut self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
         let may_fit = self.may_fit(key);
         if may_fit && self.are_set(key, lighting) {
             return true;
         }
-        if may_fit && self.are_of_level(key, lighting) {
-            return true;
-        }
-        let is_lit = self.may_be_general()
-            && ((may_fit && self.include(key, lighting))
-                || (self.pipelines.general_for(key))
-                    .is_some_and(|key| self.are_set(key, lighting)));
+        let is_lit = self.may_be_general() && self.others_are_set(key, may_fit, lighting);
         if may_fit
+            && !(is_lit && self.has_level_for(key))
             && self.may_request(key, is_lit, lighting)
             && let Some(queued) = self.request_fitting(key, is_lit)
         {
             lighting.pipelines = queued;
         }
         is_lit
+    }
+
+    /// Sets the pipelines of `lighting` to others than those that fit `key`: the closest ones, if some that fit may be used, or general
+    /// ones. False if none are compiled.
+    fn others_are_set(&self, key: LightingKey, may_fit: bool, lighting: &mut ViewLighting) -> bool {
+        let may_be_closest = may_fit && self.pipelines.have_placeholders();
+        let closest = may_be_closest.then(|| self.pipelines.closest(self.cache, key));
+        let mut others = closest.flatten().into_iter();
+        others.any(|key| self.are_set(key, lighting))
+            || (self.pipelines.general_for(key)).is_some_and(|key| self.are_set(key, lighting))
     }
 
     /// Queues the pipelines that fit `key`, the next state of a view with this `lighting`, unless others may light it and each new one
@@ -232,27 +237,11 @@ impl PipelineSelection<'_> {
     }
 
     fn has_level_for(&self, key: LightingKey) -> bool {
-        let mut levels = self.pipelines.levels_for(key);
-        levels.any(|level| self.pipelines.compiled(self.cache, level).is_some())
-    }
-
-    /// Sets the pipelines of `lighting` to compiled ones that fit a prewarmed level, if these light a view with this `key`.
-    fn are_of_level(&self, key: LightingKey, lighting: &mut ViewLighting) -> bool {
-        self.may_be_general()
-            && self.pipelines.have_placeholders()
-            && (self.pipelines.levels_for(key)).any(|level| self.are_set(level, lighting))
+        self.pipelines.have_level_for(self.cache, key)
     }
 
     fn may_fit(&self, key: LightingKey) -> bool {
         self.compiled != CompiledLighting::General || !self.pipelines.have_room_for(key)
-    }
-
-    /// True if the pipelines of `lighting` are compiled, and light a view with this `key` as they light the one that they fit.
-    fn include(&self, key: LightingKey, lighting: &ViewLighting) -> bool {
-        let current = lighting.pipelines.iter().map(|(key, _)| *key);
-        self.pipelines.have_placeholders()
-            && LightingKey::of_view(current).is_some_and(|current| current.includes(key))
-            && self.are_compiled(lighting)
     }
 
     fn are_compiled(&self, lighting: &ViewLighting) -> bool {

@@ -48,30 +48,49 @@ impl LightingKey {
         }
     }
 
-    /// True if pipelines that fit a view with this key light one with the key `need` alike: what that has less of are lights,
-    /// decals, and words of optional targets, which come to nothing by themselves.
-    pub(crate) fn includes(self, need: Self) -> bool {
-        let has_shadows = |key: Self| key.shadow_maps.intersects(ShadowMaps::OF_ANY_LIGHT);
-        let reduced = Self {
-            clustered_lights: need.clustered_lights,
-            shadow_maps: need.shadow_maps,
-            light_culling: need.light_culling,
-            rect_lights: need.rect_lights,
-            decals: need.decals,
-            lightmaps: need.lightmaps,
-            targets: need.targets,
-            shaded: need.shaded,
-            ..self
-        };
-        reduced == need
-            && has_shadows(self) == has_shadows(need)
+    /// True if pipelines for this key light a view with the key `need` too: they skip what it does not need.
+    pub(crate) fn lights(self, need: Self) -> bool {
+        let has_occlusion = need.io.contains(LightingIo::AMBIENT_OCCLUSION);
+        // General pipelines have all settings of cameras, and are for all projections.
+        let has_settings = self.is_general
+            || (self.projection.covers(need.projection)
+                && self.view & SHADOW_FILTER == need.view & SHADOW_FILTER
+                && (!has_occlusion || self.io & OCCLUSION == need.io & OCCLUSION));
+        let parts = [
+            (self.rect_lights, need.rect_lights),
+            (self.decals, need.decals),
+            (self.scatters, need.scatters),
+            (self.light_layers, need.light_layers),
+            (self.lightmaps, need.lightmaps),
+        ];
+        has_settings
+            && self.debug_view == need.debug_view
+            && self.view.contains(need.view - SHADOW_FILTER)
             && self.clustered_lights.contains(need.clustered_lights)
             && self.shadow_maps.contains(need.shadow_maps)
-            && (self.rect_lights || !need.rect_lights)
-            && (self.decals || !need.decals)
-            && (self.lightmaps || !need.lightmaps)
+            && self.io.contains(need.io & (EXCHANGED_LIGHT | OCCLUSION))
             && self.targets.contains(need.targets)
             && self.shaded.contains(need.shaded)
+            && parts.into_iter().all(|(has, needs)| has || !needs)
+    }
+
+    /// Number of its parts: of the pipelines that light a view, those with the fewest are the fastest.
+    pub(super) fn size(self) -> u32 {
+        let parts = [
+            self.projection == ProjectionKind::Other,
+            self.rect_lights,
+            self.decals,
+            self.scatters,
+            self.light_layers,
+            self.lightmaps,
+        ];
+        self.view.bits().count_ones()
+            + self.clustered_lights.bits().count_ones()
+            + self.shadow_maps.bits().count_ones()
+            + self.io.bits().count_ones()
+            + self.targets.bits().count_ones()
+            + self.shaded.bits().count_ones()
+            + parts.map(u32::from).iter().sum::<u32>()
     }
 
     /// This general key for the dispatches of a view with the key `need`.
@@ -85,26 +104,6 @@ impl LightingKey {
             },
             ..self
         }
-    }
-
-    /// True if general pipelines with this key light a view with the key `need`.
-    pub(super) fn covers(self, need: Self) -> bool {
-        let lit_by = EXCHANGED_LIGHT | OCCLUSION;
-        let parts = [
-            (self.rect_lights, need.rect_lights),
-            (self.decals, need.decals),
-            (self.scatters, need.scatters),
-            (self.light_layers, need.light_layers),
-            (self.lightmaps, need.lightmaps),
-        ];
-        need.debug_view.is_none()
-            && self.view.contains(need.view - SHADOW_FILTER)
-            && self.clustered_lights.contains(need.clustered_lights)
-            && self.shadow_maps.contains(need.shadow_maps)
-            && self.io.contains(need.io & lit_by)
-            && self.targets.contains(need.targets)
-            && self.shaded.contains(need.shaded)
-            && parts.into_iter().all(|(has, needs)| has || !needs)
     }
 }
 
@@ -159,7 +158,7 @@ mod tests {
             },
         ];
         for need in needs {
-            assert!(room().covers(need), "{need:?}");
+            assert!(room().lights(need), "{need:?}");
         }
         let without_decals = LightingKey {
             decals: false,
@@ -169,7 +168,7 @@ mod tests {
             decals: true,
             ..sun()
         };
-        assert!(!without_decals.covers(decals));
+        assert!(!without_decals.lights(decals));
     }
 
     #[test]
@@ -179,7 +178,7 @@ mod tests {
             io: LightingIo::AMBIENT_OCCLUSION | LightingIo::OCCLUSION_HALF,
             ..sun()
         };
-        assert!(room().covers(other_settings));
+        assert!(room().lights(other_settings));
         let parts = other_settings.parts();
         assert!(parts.contains(LightingParts::TEMPORAL_SHADOWS | LightingParts::OCCLUSION_HALF));
         assert!(!parts.intersects(LightingParts::GAUSSIAN_SHADOWS | LightingParts::OCCLUSION_WIDE));
@@ -188,7 +187,7 @@ mod tests {
             debug_view: Some(DebugView::Normal),
             ..sun()
         };
-        assert!(!room().covers(shown));
+        assert!(!room().lights(shown));
     }
 
     #[test]
@@ -204,39 +203,64 @@ mod tests {
             shaded: LightingVariants::all_special(),
             ..sun()
         };
-        assert!(more.includes(sun()));
-        assert!(!sun().includes(more));
-        assert_eq!(LightingKey::of_view(more.dispatches()), Some(more));
-        let others = [
-            // The bias of shadows takes another normal.
-            LightingKey {
-                shadow_maps: ShadowMaps::empty(),
-                ..sun()
-            },
-            // Without their own bits, these parts would remain.
+        assert!(more.lights(sun()));
+        assert!(more.size() > sun().size());
+        assert!(!sun().lights(more));
+    }
+
+    #[test]
+    fn pipelines_go_on_for_views_that_lost_other_parts() {
+        let no_shadows = LightingKey {
+            shadow_maps: ShadowMaps::empty(),
+            ..sun()
+        };
+        assert!(sun().lights(no_shadows));
+        let more = [
             LightingKey {
                 view: sun().view | MeshPipelineKey::DISTANCE_FOG,
                 ..sun()
             },
             LightingKey {
-                io: LightingIo::INDIRECT_DIFFUSE,
+                io: OCCLUSION | LightingIo::INDIRECT_DIFFUSE,
                 ..sun()
             },
             LightingKey {
                 light_layers: true,
                 ..sun()
             },
+            LightingKey {
+                scatters: true,
+                ..sun()
+            },
         ];
-        for other in others {
-            assert!(!more.includes(other), "{other:?}");
-            assert!(
-                !LightingKey {
-                    decals: true,
-                    ..other
-                }
-                .includes(sun())
-            );
+        for more in more {
+            assert!(more.lights(sun()) && more.size() > sun().size(), "{more:?}");
+            assert!(!sun().lights(more), "{more:?}");
         }
+    }
+
+    /// These are compiled in, and are no bits of the uniform.
+    #[test]
+    fn pipelines_that_fit_have_the_settings_of_one_camera() {
+        let occluded = |settings| LightingKey {
+            io: LightingIo::AMBIENT_OCCLUSION | settings,
+            ..sun()
+        };
+        let [narrow, wide] = [LightingIo::empty(), LightingIo::OCCLUSION_WIDE].map(occluded);
+        assert!(!narrow.lights(wide) && !wide.lights(narrow));
+        assert!(wide.lights(sun()));
+        let filtered = LightingKey {
+            view: MeshPipelineKey::SHADOW_FILTER_METHOD_TEMPORAL,
+            ..sun()
+        };
+        assert!(!filtered.lights(sun()) && !sun().lights(filtered));
+        let [orthographic, any] =
+            [ProjectionKind::Orthographic, ProjectionKind::Other].map(|projection| LightingKey {
+                projection,
+                ..sun()
+            });
+        assert!(!sun().lights(orthographic) && !any.lights(orthographic));
+        assert!(any.lights(sun()));
     }
 
     #[test]
@@ -248,7 +272,7 @@ mod tests {
         };
         assert!(lightmapped.dispatches().all(|key| key.lightmaps));
         assert!(room().dispatches().all(|key| key.lightmaps));
-        assert!(!sun().includes(LightingKey {
+        assert!(!sun().lights(LightingKey {
             lightmaps: true,
             ..sun()
         }));

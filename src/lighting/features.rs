@@ -104,17 +104,6 @@ impl LightingKey {
         core::iter::once(over_all_tiles).chain(has_special.then_some(self))
     }
 
-    /// The key of a view with these dispatches.
-    pub(crate) fn of_view(mut dispatches: impl Iterator<Item = Self>) -> Option<Self> {
-        let over_all_tiles = dispatches.next()?;
-        let special = dispatches.next().map(|key| key.shaded);
-        Some(Self {
-            lists: false,
-            shaded: special.unwrap_or_default(),
-            ..over_all_tiles
-        })
-    }
-
     pub(super) fn without_debug_view(self) -> Self {
         Self {
             debug_view: None,

@@ -1,7 +1,6 @@
 //! General pipelines: they light a view until the pipelines that are compiled for it are there.
 //!
-//! They are compiled with all parts that the device has bindings for. A uniform tells them which parts the view needs
-//! (`parts.rs`), and placeholders are bound for the rest (`placeholders.rs`).
+//! They are compiled with all parts that the device has bindings for, and with all settings of cameras.
 
 use bevy::{
     pbr::{MeshPipeline, MeshPipelineKey},
@@ -107,7 +106,7 @@ impl LightingPipelines {
 
     /// True if general pipelines can light a view with the key `need` on this device.
     pub(crate) fn have_room_for(&self, need: LightingKey) -> bool {
-        self.room.is_some_and(|general| general.covers(need))
+        self.room.is_some_and(|general| general.lights(need))
     }
 
     /// Queues the general pipelines, as far as the budget of `watch` admits, unless they are queued or light no view with the key
@@ -119,7 +118,7 @@ impl LightingPipelines {
         need: LightingKey,
     ) {
         let need = need.without_debug_view();
-        let Some(general) = self.room.filter(|general| general.covers(need)) else {
+        let Some(general) = self.room.filter(|general| general.lights(need)) else {
             return;
         };
         let device = &self.device;
@@ -132,7 +131,7 @@ impl LightingPipelines {
 
     /// The key of the general pipelines that light a view with the key `need`, if they do. They may still be compiling.
     pub(crate) fn general_for(&self, need: LightingKey) -> Option<LightingKey> {
-        let general = self.room.filter(|general| general.covers(need));
+        let general = self.room.filter(|general| general.lights(need));
         general.map(|key| key.with_dispatches_of(need))
     }
 

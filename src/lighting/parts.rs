@@ -1,4 +1,4 @@
-//! Parts of lighting that the general pipelines skip where a view does not need them.
+//! Parts of lighting that pipelines skip where a view does not need them.
 
 use bevy::pbr::MeshPipelineKey;
 use bitflags::bitflags;

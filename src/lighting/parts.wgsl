@@ -1,7 +1,7 @@
-// Parts of lighting that the general pipelines have compiled in for all views, and skip where a view does not need them.
+// Parts of lighting that pipelines skip where a view does not need them.
 #define_import_path bevy_lean_deferred::lighting::parts
 
-#ifdef SUPERSET
+#ifndef FORWARD_MESH
 #import bevy_lean_deferred::lighting::bindings::uniforms
 #endif
 
@@ -27,12 +27,12 @@ const OCCLUSION_HALF: u32 = 0x20000u;
 const OCCLUSION_MULTIBOUNCE: u32 = 0x40000u;
 const OCCLUSION_OF_DIRECT_LIGHT: u32 = 0x80000u;
 
-/// True if the view needs one of these parts, each of which the shader is compiled with. The same for all invocations. Other
-/// pipelines are compiled with what the view needs alone, so there it is a constant.
+/// True if the view needs one of these parts, each of which the shader is compiled with. The same for all invocations.
 fn has(parts: u32) -> bool {
-#ifdef SUPERSET
-    return (uniforms.parts & parts) != 0u;
-#else
+#ifdef FORWARD_MESH
+    // Compiled for the view.
     return true;
+#else
+    return (uniforms.parts & parts) != 0u;
 #endif
 }

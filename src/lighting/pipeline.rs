@@ -122,8 +122,7 @@ impl LightingPipelines {
         })
     }
 
-    /// Records `key` as that of a level for which `camera` is prewarmed: its pipelines light all views that they fit or that need
-    /// less.
+    /// Records `key` as that of a level for which `camera` is prewarmed: views that its pipelines light request none of their own.
     pub(crate) fn add_level(&mut self, camera: MainEntity, key: LightingKey) {
         if !self.levels.contains(&(camera, key)) {
             self.levels.push((camera, key));
@@ -135,10 +134,27 @@ impl LightingPipelines {
         self.levels.retain(|(other, _)| *other != camera);
     }
 
-    /// The keys of prewarmed levels whose pipelines light a view with the key `need`. They may still be compiling.
-    pub(crate) fn levels_for(&self, need: LightingKey) -> impl Iterator<Item = LightingKey> {
-        let levels = self.levels.iter().map(|(_, key)| *key);
-        levels.filter(move |key| key.includes(need))
+    /// True if pipelines that fit a prewarmed level are compiled, and light a view with the key `need`.
+    pub(crate) fn have_level_for(&self, pipeline_cache: &PipelineCache, need: LightingKey) -> bool {
+        let mut levels = self.levels.iter().map(|(_, key)| *key);
+        levels.any(|level| level.lights(need) && self.compiled(pipeline_cache, level).is_some())
+    }
+
+    /// The key of the smallest compiled pipelines that fit some view or level, and light one with the key `need` too.
+    pub(crate) fn closest(
+        &self,
+        pipeline_cache: &PipelineCache,
+        need: LightingKey,
+    ) -> Option<LightingKey> {
+        let room = self.room?;
+        // Keys of views, not those of their dispatches over all tiles.
+        let of_views = self.by_key.keys().copied().filter(|key| !key.lists);
+        of_views
+            .filter(|key| !key.is_general && key.lights(need))
+            // There are placeholders for what general pipelines have.
+            .filter(|key| room.scatters || key.scatters == need.scatters)
+            .filter(|key| self.compiled(pipeline_cache, *key).is_some())
+            .min_by_key(|key| key.size())
     }
 
     /// Returns the pipeline for `key`, which may still be compiling.

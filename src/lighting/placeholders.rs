@@ -1,4 +1,4 @@
-//! Placeholders that general pipelines bind for resources that a view does not have.
+//! Placeholders that pipelines bind for resources that a view does not have.
 
 use bevy::{
     pbr::{GpuFog, contact_shadows::ContactShadowsUniform, resources::GpuAtmosphere},

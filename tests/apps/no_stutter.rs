@@ -116,6 +116,10 @@ const CHANGES: &[(&str, Change)] = &[
         let occlusion = LeanScreenSpaceAmbientOcclusion::default();
         world.entity_mut(subject.camera).insert(occlusion);
     }),
+    ("neither occlusion nor contact shadows", |world, subject| {
+        let mut camera = world.entity_mut(subject.camera);
+        camera.remove::<(LeanScreenSpaceAmbientOcclusion, ContactShadows)>();
+    }),
     ("orthographic projection", |world, subject| {
         let projection = OrthographicProjection {
             scale: 0.05,
@@ -276,11 +280,24 @@ fn meshes_in_the_gbuffer_ask_bevy_for_no_pipeline() {
 #[test]
 fn what_goes_needs_no_pipeline() {
     in_own_process(|| {
-        let first = ["rectangular light", "emission", "clear coat"];
+        let first = [
+            "rectangular light",
+            "contact shadows",
+            "fog",
+            "emission",
+            "clear coat",
+            "ambient occlusion",
+        ];
         let (mut headless, subject) = app(true, &first, |_| {});
         let compiled = lighting_pipelines(&headless).count();
         assert!(!is_lit_by_general(&mut headless));
-        for name in ["no rectangular light", "plain material"] {
+        let losses = [
+            "no rectangular light",
+            "no fog",
+            "plain material",
+            "neither occlusion nor contact shadows",
+        ];
+        for name in losses {
             change(name)(headless.world(), &subject);
             for frame in 0..LINGERING_FRAMES {
                 headless.frame();

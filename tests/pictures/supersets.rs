@@ -218,6 +218,53 @@ fn what_a_scene_lost_leaves_no_light() {
     });
 }
 
+/// Applies the change of that name, or its inverse.
+fn apply(headless: &mut Headless, camera: Entity, name: &str, is_undone: bool) {
+    let mut changes = CHANGES.iter();
+    let (_, change, undo) = changes.find(|(other, ..)| *other == name).expect(name);
+    let change = if is_undone { undo } else { change };
+    change(headless.world(), camera);
+}
+
+/// Pipelines that fitted a scene light it without what it lost, as those do that fit then.
+#[test]
+fn pipelines_that_fitted_skip_what_a_scene_lost() {
+    in_own_process(|| {
+        let mut results = Vec::new();
+        let effects = ["fog", "contact_shadows", "ssao", "gi", "spot_light"];
+        for parts in [&effects[..], &["occlusion"]] {
+            // Compiles lighting in the first frames only.
+            let mut headless = Headless::with_compilation(UVec2::new(160, 120), true, |app| {
+                small_shadow_maps(app);
+                compile_lighting(app, CompiledLighting::All);
+            });
+            let camera = scene(&mut SceneBuilder {
+                headless: &mut headless,
+            });
+            for name in parts {
+                apply(&mut headless, camera, name, false);
+            }
+            headless.frames(40);
+            for name in parts {
+                apply(&mut headless, camera, name, true);
+                let by_others = settled(&mut headless);
+                assert!(!is_lit_by_general(&mut headless), "without {name}");
+                compile_lighting(&mut headless.app, CompiledLighting::Fitting);
+                let fitting = settled(&mut headless);
+                compile_lighting(&mut headless.app, CompiledLighting::All);
+                let least = if parts.contains(&"gi") && *name != "gi" && *name != "spot_light" {
+                    LEAST_PSNR_OF_EFFECTS
+                } else {
+                    LEAST_PSNR
+                };
+                let name = format!("lost_{name}");
+                results.push(judge(&name, &fitting, &by_others, least));
+            }
+        }
+        report(results);
+    });
+}
+
 /// A picture by pipelines that fit, and one by general ones.
 fn by_both(headless: &mut Headless) -> [Picture; 2] {
     [CompiledLighting::Fitting, CompiledLighting::General].map(|compiled| {
