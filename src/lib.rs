@@ -152,8 +152,24 @@ use bevy::app::plugin_group;
 mod pages {
     #[doc = include_str!("../README.md")]
     struct Readme;
+    #[doc = include_str!("../docs/ambient_occlusion.md")]
+    struct AmbientOcclusion;
+    #[doc = include_str!("../docs/auto_exposure.md")]
+    struct AutoExposure;
+    #[doc = include_str!("../docs/compiling.md")]
+    struct Compiling;
+    #[doc = include_str!("../docs/diffuse_gi.md")]
+    struct DiffuseGi;
+    #[doc = include_str!("../docs/migration.md")]
+    struct Migration;
+    #[doc = include_str!("../docs/presets.md")]
+    struct Presets;
     #[doc = include_str!("../docs/profiling.md")]
     struct Profiling;
+    #[doc = include_str!("../docs/reflections.md")]
+    struct Reflections;
+    #[doc = include_str!("../docs/subsurface_scattering.md")]
+    struct SubsurfaceScattering;
 }
 
 /// The plugins, the components of cameras with their levels and reports, and materials. All else is at the root of the crate
