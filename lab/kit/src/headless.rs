@@ -99,7 +99,10 @@ impl Headless {
                 ..default()
             })
             .set(bevy::log::LogPlugin {
-                filter: "warn,wgpu_hal=error,bevy_render::renderer=error".into(),
+                // At warnings: wgpu's of Bevy's deferred lighting, which compares depth for equality.
+                filter:
+                    "warn,wgpu_hal=error,wgpu_core::validation=error,bevy_render::renderer=error"
+                        .into(),
                 custom_layer: |_| Some(Box::new(LogWatch)),
                 ..default()
             })
