@@ -30,6 +30,9 @@ fn shift_of(phase: u32) -> vec2<f32> {
 /// Pixels by which a mirror image is followed at most in a frame.
 const MOST_MOVED: f32 = 64.0;
 
+/// Share of the path of a mirror image that lobes of any roughness follow, as found by the bench `motion`.
+const OF_PATH: f32 = 0.8;
+
 /// Pixels that the camera's motion moves a mirror at rest, from which on a mirror that moves with the camera is told apart, and its least
 /// share of that motion. Below both, rounding of motion vectors would look like a share.
 const CARRIED_FROM: f32 = 0.25;
@@ -38,11 +41,11 @@ const LEAST_CARRIED: f32 = 0.05;
 /// Limits of the difference of the last frames' lobes from this frame's lobe, relative to the mean difference of this frame's rays from
 /// it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that show something that
 /// moves on its own.
-const OF_MOVERS: f32 = 0.35;
+const OF_MOVERS: f32 = 0.2;
 /// Least limit of a mirror image that moves.
-const OF_IMAGES: f32 = 0.5;
+const OF_IMAGES: f32 = 0.3;
 /// Its limit if it moves by the lobe's radius; inversely proportional to its motion.
-const OF_SLOW: f32 = 0.06;
+const OF_SLOW: f32 = 0.03;
 /// From here on there is no limit.
 const UNLIMITED: f32 = 8.0;
 
@@ -122,7 +125,7 @@ fn moved_image(
     moves: bool,
 ) -> vec2<f32> {
     // Rough lobes lean towards the normal, and follow less (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR").
-    let share = (1.0 - roughness) * (sqrt(1.0 - roughness) + roughness);
+    let share = OF_PATH * (1.0 - roughness) * (sqrt(1.0 - roughness) + roughness);
     let of_mirror = last_pixel(position);
     let mirror_at_rest = of_mirror.xy / of_mirror.w;
 #ifdef PROJECTION_ORTHOGRAPHIC
