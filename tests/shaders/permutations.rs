@@ -119,10 +119,10 @@ impl Modules {
         composed.map_err(|error| error.emit_to_string(&self.composer))
     }
 
-    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<(), String> {
+    fn check(&mut self, shader: &Shader, defs: Definitions) -> Result<naga::Module, String> {
         let module = self.compose(shader, defs)?;
         self.validate(&module)?;
-        Ok(())
+        Ok(module)
     }
 
     fn validate(&self, module: &naga::Module) -> Result<ModuleInfo, String> {
@@ -133,7 +133,12 @@ impl Modules {
 
     /// All that the entry points use, as WGSL.
     pub fn used(&mut self, shader: &Shader, defs: Definitions) -> Result<String, String> {
-        let mut module = self.compose(shader, defs)?;
+        let module = self.compose(shader, defs)?;
+        self.used_of(module)
+    }
+
+    /// All that the entry points of `module` use, as WGSL.
+    fn used_of(&self, mut module: naga::Module) -> Result<String, String> {
         compact(&mut module, KeepUnused::No);
         let info = self.validate(&module)?;
         write_string(&module, &info, WriterFlags::empty()).map_err(|error| error.to_string())
@@ -143,16 +148,12 @@ impl Modules {
 /// Random rows that are checked if nightly tests are not asked for. Rows in which any two choices meet find nearly all errors.
 const DAILY_RANDOM_ROWS: usize = 20;
 
-/// Checks `source` under rows of `factors` in which any two choices meet, and random ones.
-fn check_permutations(
-    source: &'static str,
-    path: &str,
+/// Rows of `factors` in which any two choices meet, and random ones.
+fn permutations(
     factors: &[Factor],
     always: &[&'static str],
     values: &[(&str, u32)],
-) {
-    let shader = Shader::from_wgsl(source, path);
-    let mut modules = Modules::new();
+) -> Vec<Definitions> {
     let mut permutations = Vec::new();
     let mut rows = covering_rows(factors);
     if std::env::var_os("LEAN_TEST_NIGHTLY").is_none() {
@@ -171,32 +172,71 @@ fn check_permutations(
             permutations.push(defs);
         }
     }
+    permutations
+}
+
+/// Checks `source` under these [`permutations`].
+fn check_permutations(
+    source: &'static str,
+    path: &str,
+    factors: &[Factor],
+    always: &[&'static str],
+    values: &[(&str, u32)],
+) {
+    check_each_permutation(source, path, factors, always, values, |_, _, _| {});
+}
+
+/// The same, and hands out each module with the names of its definitions.
+fn check_each_permutation(
+    source: &'static str,
+    path: &str,
+    factors: &[Factor],
+    always: &[&'static str],
+    values: &[(&str, u32)],
+    mut visit: impl FnMut(&Modules, String, naga::Module),
+) {
+    let shader = Shader::from_wgsl(source, path);
+    let mut modules = Modules::new();
+    let permutations = permutations(factors, always, values);
     println!("{path}: {} permutations", permutations.len());
     for defs in permutations {
-        let mut names: Vec<_> = defs
-            .iter()
-            .map(|(name, value)| match value {
-                ShaderDefValue::UInt(value) => format!("{name}={value}"),
-                _ => name.clone(),
-            })
-            .collect();
-        names.sort();
-        if let Err(error) = modules.check(&shader, defs) {
-            panic!("{path} with {}:\n{error}", names.join(", "));
+        let names = names_of(&defs).join(", ");
+        match modules.check(&shader, defs) {
+            Ok(module) => visit(&modules, names, module),
+            Err(error) => panic!("{path} with {names}:\n{error}"),
         }
     }
+}
+
+/// The definitions, in alphabetical order.
+fn names_of(defs: &Definitions) -> Vec<String> {
+    let names = defs.iter().map(|(name, value)| match value {
+        ShaderDefValue::UInt(value) => format!("{name}={value}"),
+        _ => name.clone(),
+    });
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    names
 }
 
 /// Definitions that lighting always has.
 const LIGHTING_ALWAYS: [&str; 2] = ["DEPTH_PREPASS", "VIEW_PROJECTION_NONSTANDARD"];
 
+/// Checks lighting. Permutations are different shaders, so that nothing is compiled twice.
 fn check_lighting(storage_buffers: u32) {
-    check_permutations(
+    let mut names_of = HashMap::new();
+    check_each_permutation(
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
         &LIGHTING_ALWAYS,
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
+        |modules, names, module| {
+            let used = modules.used_of(module).expect(&names);
+            if let Some(other) = names_of.insert(used, names.clone()) {
+                panic!("the same shader with\n{other}\nand\n{names}");
+            }
+        },
     );
 }
 
