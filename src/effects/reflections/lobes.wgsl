@@ -7,7 +7,7 @@
     history_texture, homogeneous_pixel, lobes_texture, view, view_position,
 }
 #import bevy_lean_deferred::effects::reflections::surface::{
-    LEAST_OWN, LastPlace, carried_place, last_place, motion_at, with_view,
+    LEAST_OWN, LastPlace, carried_place, last_place, lobe_width, motion_at, with_view,
 }
 #import bevy_lean_deferred::effects::reprojection::weight_of_match
 
@@ -54,7 +54,7 @@ const EXACT: f32 = 1.0 / 32.0;
 
 /// Place of a texel's lobe among those of the last frame.
 struct LobePlace {
-    /// In texels: 0 is the first texel, not its corner.
+    /// In texels, relative to the texel.
     at: vec2<f32>,
     /// False if the last frame showed another surface there.
     is_known: bool,
@@ -62,12 +62,12 @@ struct LobePlace {
     limit: f32,
 }
 
-/// Place of the lobe whose ray begins at a place of the last frame. `offset`: from a texel's coordinates to its ray's begin, in pixels.
-fn lobe_place(place: LastPlace, offset: vec2<f32>) -> LobePlace {
+/// Place of the lobe of a texel whose ray begins at `begin`, in pixels, and began at a place of the last frame.
+fn lobe_place(place: LastPlace, begin: vec2<f32>) -> LobePlace {
     let is_inside = all(place.at >= vec2(0.0)) && all(place.at < view.last_viewport_size);
     let kept = textureLoad(history_texture, vec2<i32>(place.at), 0).a * view.metres_per_unit;
     let weight = weight_of_match(kept, place.expected.x, place.expected.y, place.tolerance);
-    return LobePlace((place.at - offset) / f32(view.divisor), is_inside && weight >= 0.5, UNLIMITED);
+    return LobePlace((place.at - begin) / f32(view.divisor), is_inside && weight >= 0.5, UNLIMITED);
 }
 
 /// Homogeneous pixel of the last frame.
@@ -154,41 +154,40 @@ fn moved_image(
     return select(vec2(0.0), moved, image > 0.0 && min(of_image.w, of_mirror.w) > 0.0);
 }
 
-/// Place in the last frame of the lobe of a texel, whose ray begins at a pixel. `slope` is that of depth per pixel, `image` the
-/// distance to the mirror image, seen straight through the mirror, and `radius` that of the lobe, in pixels. `moves`: rays hit something
-/// that moves on its own.
+/// Place in the last frame of the lobe of a texel, whose ray begins at a pixel. `slope` is that of depth per texel, and `image` the
+/// distance to the mirror image, seen straight through the mirror. `moves`: rays hit something that moves on its own.
 fn last_lobe_place(
-    texel: vec2<i32>,
     pixel: vec2<i32>,
     depth: f32,
     slope: vec2<f32>,
     normal: vec3<f32>,
     roughness: f32,
     image: f32,
-    radius: f32,
     moves: bool,
 ) -> LobePlace {
     let seen = vec3(vec2<f32>(pixel) + 0.5, depth);
     let position = view_position(seen.xy, depth);
-    let offset = vec2<f32>(pixel - texel * view.divisor) + 0.5;
     var moved = vec2(0.0);
     if view.carries_surfaces != 0u || moves {
         moved = moved_image(last_place(seen, position).at, seen.xy, position, normal, roughness, image, moves);
     }
     let pixels = length(moved);
+    let texels_per_pixel = 1.0 / f32(view.divisor);
+    // Radius of the lobe, in pixels. Computed here, where fewer registers are in use than above.
+    let radius = roughness * roughness * lobe_width(max(image - length(position), 0.0), image);
     // If the image moved by less than the lobe's width, the lobe without that motion is close enough.
     let tries = select(1, 2, pixels > 0.0 && pixels < 0.5 * radius);
     var lobe: LobePlace;
     var own = 0.0;
     for (var i = 0; i < tries && !lobe.is_known && pixels < MOST_MOVED; i++) {
-        let shifted = seen + vec3(moved, dot(slope, moved));
+        let shifted = seen + vec3(moved, dot(slope, moved) * texels_per_pixel);
         let place = last_place(shifted, view_position(shifted.xy, shifted.z));
-        lobe = lobe_place(place, offset);
+        lobe = lobe_place(place, seen.xy);
         own = place.own;
         moved = vec2(0.0);
     }
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
-        lobe = lobe_place(carried_place(seen, position), offset);
+        lobe = lobe_place(carried_place(seen, position), seen.xy);
     }
     lobe.limit = select(clamp(OF_SLOW * radius / pixels, OF_IMAGES, UNLIMITED), UNLIMITED, pixels == 0.0);
     lobe.limit = select(lobe.limit, OF_MOVERS, own > LEAST_OWN);

@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::effects::reflections::bindings::{CHANGES, unpack_distance, view}
-#import bevy_lean_deferred::effects::reflections::surface::ROUGH
+#import bevy_lean_deferred::effects::reflections::surface::{ROUGH, lobe_width}
 #import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, depths, hits, likeness, lights, normals}
 
 struct Receiver {
@@ -39,15 +39,6 @@ fn weight_beside(receiver: Receiver, i: i32, along: vec2<f32>) -> f32 {
     // Above 0: the furthest texel may be the only one of its surface.
     let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
     return near.x * near.y * receiver.alike[i];
-}
-
-/// Width on screen in pixels of a lobe with a squared roughness of 1, after `metres`, at a `distance` from the camera.
-fn lobe_width(metres: f32, distance: f32) -> f32 {
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return 2.0 * metres * abs(view.pixels_per_metre.y);
-#else
-    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
-#endif
 }
 
 /// Hit of a ray; 0 if the ray changes from frame to frame.

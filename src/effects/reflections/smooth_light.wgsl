@@ -6,9 +6,9 @@
 }
 #import bevy_lean_deferred::effects::reflections::mirrored_light::mirrored_light
 #import bevy_lean_deferred::effects::reflections::receiver::{
-    Receiver, light_around, lobe_width, steady_hit, texel_beside,
+    Receiver, light_around, steady_hit, texel_beside,
 }
-#import bevy_lean_deferred::effects::reflections::surface::rotated
+#import bevy_lean_deferred::effects::reflections::surface::{lobe_width, rotated}
 #import bevy_lean_deferred::effects::reflections::texels::lights
 
 /// Gap where no surface is to be tested.

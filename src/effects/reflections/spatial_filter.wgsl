@@ -13,8 +13,7 @@
     EXACT, KNOWN, MOVED, OF_MOVERS, UNLIMITED, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
     with_lobe,
 }
-#import bevy_lean_deferred::effects::reflections::receiver::lobe_width
-#import bevy_lean_deferred::effects::reflections::surface::{ROUGH, rotated}
+#import bevy_lean_deferred::effects::reflections::surface::{ROUGH, lobe_width, rotated}
 #import bevy_lean_deferred::effects::reflections::texels::{
     FIRST_MADE, INVOCATIONS, MADE, RIM, CACHE_SIDE, depths, hits, inverse_step_at, keep, lights, likeness, normals, slope_at,
     texel_at,
@@ -209,17 +208,14 @@ fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, ima
     let depth = depths[made];
     let slope = slope_at(made);
     let normal = unpack_halves(normals[made]).xyz;
-    let to_mirror = length(view_position(vec2<f32>(pixel) + 0.5, depth));
-    let radius = roughness * roughness * lobe_width(max(image - to_mirror, 0.0), image);
-    let place = last_lobe_place(
-        texel, pixel, depth, slope / f32(view.divisor), rotated(normal), roughness, image, radius, moves,
-    );
+    let place = last_lobe_place(pixel, depth, slope, rotated(normal), roughness, image, moves);
     var last = LastLobes(vec4(0u), place.limit);
     if !place.is_known {
         return last;
     }
-    let nearest = floor(place.at + 0.5);
-    let off = place.at - nearest;
+    let along_texels = floor(place.at + 0.5);
+    let off = place.at - along_texels;
+    let nearest = vec2<f32>(texel) + along_texels;
     if all(abs(off) < vec2(EXACT)) {
         last.lobes = exposed(lobes_at(nearest));
         return last;

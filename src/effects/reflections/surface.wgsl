@@ -72,6 +72,15 @@ fn smoothness(roughness: f32) -> f32 {
     return saturate((view.max_roughness - roughness) / max(0.25 * view.max_roughness, 1e-6));
 }
 
+/// Width on screen in pixels of a lobe with a squared roughness of 1, after `metres`, at a `distance` from the camera.
+fn lobe_width(metres: f32, distance: f32) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return 2.0 * metres * abs(view.pixels_per_metre.y);
+#else
+    return 2.0 * metres * abs(view.pixels_per_metre.y) / max(distance, 1e-6);
+#endif
+}
+
 /// Mean light of surfaces around a point of the history.
 fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
     // From level 1 on, alpha is the share of surfaces.
