@@ -3,22 +3,25 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_halves
 #import bevy_lean_deferred::effects::reflections::bindings::{CHANGES, unpack_distance, view}
-#import bevy_lean_deferred::effects::reflections::surface::{ROUGH, lobe_width}
-#import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, depths, hits, likeness, lights, normals}
+#import bevy_lean_deferred::effects::reflections::surface::{Mirror, ROUGH, lobe_width}
+#import bevy_lean_deferred::effects::reflections::texels::{
+    CACHE_SIDE, depths, hits, inverse_step_at, likeness, lights, normals, slope_at,
+}
 
 struct Receiver {
     /// Position in pixels.
     at: vec2<f32>,
     depth: f32,
-    /// Depth slope per texel.
-    slope: vec2<f32>,
-    /// 1 / the depth step that separates surfaces a texel apart.
-    inverse_step: f32,
     /// In world space.
     normal: vec3<f32>,
     roughness: f32,
-    /// `likeness_beside` of the four texels around it.
-    alike: vec4<f32>,
+    /// Interpolation weights of the four texels around it, by distance and likeness. Above 0 for the furthest, too: it may be the only
+    /// one of its surface.
+    weights: vec4<f32>,
+    /// True for texels of the same mirror.
+    is_alike: vec4<bool>,
+    /// False for texels that would have no weight by distance alone: the pixel is in the row or column of others.
+    is_near: vec4<bool>,
 }
 
 /// Index of texel `i` of the four around the pixel, of which `first` is the first.
@@ -26,19 +29,25 @@ fn texel_beside(first: i32, i: i32) -> i32 {
     return first + (i & 1) + CACHE_SIDE * (i >> 1u);
 }
 
-/// Likeness, 0 to 1, of the surface of a texel to the receiver, which is `along` of the way between the texels.
-fn likeness_beside(receiver: Receiver, first: i32, i: i32, along: vec2<f32>) -> f32 {
-    let offset = vec2(f32(i & 1), f32(i >> 1u)) - along;
-    let expected = receiver.depth + dot(receiver.slope, offset);
-    return likeness(receiver.normal, expected, texel_beside(first, i), receiver.inverse_step);
-}
-
-/// Weight of texel `i` for the receiver.
-fn weight_beside(receiver: Receiver, i: i32, along: vec2<f32>) -> f32 {
-    let corner = vec2(i & 1, i >> 1u);
-    // Above 0: the furthest texel may be the only one of its surface.
-    let near = max(select(1.0 - along, along, corner == vec2(1)), vec2(1e-3));
-    return near.x * near.y * receiver.alike[i];
+/// Receiver at a position in pixels, which is `along` of the way between the texels around it.
+fn receiver_at(at: vec2<f32>, depth: f32, mirror: Mirror, first: i32, along: vec2<f32>) -> Receiver {
+    var receiver: Receiver;
+    receiver.at = at;
+    receiver.depth = depth;
+    receiver.normal = mirror.normal;
+    receiver.roughness = mirror.roughness;
+    let slope = slope_at(first);
+    let inverse_step = inverse_step_at(depth);
+    for (var i = 0; i < 4; i++) {
+        let corner = vec2(i & 1, i >> 1u);
+        let expected = depth + dot(slope, vec2<f32>(corner) - along);
+        let alike = likeness(mirror.normal, expected, texel_beside(first, i), inverse_step);
+        let near = select(1.0 - along, max(along, vec2(1e-3)), corner == vec2(1));
+        receiver.weights[i] = near.x * near.y * alike;
+        receiver.is_alike[i] = alike > 0.5;
+        receiver.is_near[i] = all(corner == vec2(0) | along > vec2(0.0));
+    }
+    return receiver;
 }
 
 /// Hit of a ray; 0 if the ray changes from frame to frame.
@@ -67,7 +76,7 @@ fn rays_beside(receiver: Receiver, first: i32, position: vec3<f32>) -> Beside {
         sum += image;
         count += select(0.0, 1.0, image > 0.0);
         let is_smooth = unpack_halves(normals[texel]).w <= ROUGH;
-        changes |= is_smooth && receiver.alike[i] > 0.0 && (hits[texel] & CHANGES) != 0u;
+        changes |= is_smooth && receiver.weights[i] > 0.0 && (hits[texel] & CHANGES) != 0u;
     }
     let distance = length(position);
 #ifdef PROJECTION_ORTHOGRAPHIC
@@ -86,12 +95,12 @@ fn rays_beside(receiver: Receiver, first: i32, position: vec3<f32>) -> Beside {
 const NONE_ALIKE: f32 = 1e-3;
 
 /// Light of the rays around, for silhouettes: light times confidence, and confidence.
-fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+fn light_around(receiver: Receiver, first: i32) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
         let texel = texel_beside(first, i);
-        let weight = select(0.0, weight_beside(receiver, i, along), steady_hit(texel) != 0u);
+        let weight = select(0.0, receiver.weights[i], steady_hit(texel) != 0u);
         sum += weight * unpack_halves(lights[texel]);
         weights += weight;
     }
@@ -104,11 +113,12 @@ fn light_around(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
 /// The same where no texel around is of the pixel's surface, as on thin or strongly curved mirrors: light of the ray whose surface
 /// differs least.
 fn light_of_least_different(receiver: Receiver, first: i32) -> vec4<f32> {
+    let inverse_step = inverse_step_at(receiver.depth);
     var light = vec4(0.0);
     var most = 0.0;
     for (var i = 0; i < 4; i++) {
         let texel = texel_beside(first, i);
-        let off = (depths[texel] - receiver.depth) * receiver.inverse_step;
+        let off = (depths[texel] - receiver.depth) * inverse_step;
         let facing = saturate(dot(receiver.normal, unpack_halves(normals[texel]).xyz));
         let alike = select(0.0, facing / (1.0 + off * off), steady_hit(texel) != 0u);
         if alike > most {

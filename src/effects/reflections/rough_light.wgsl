@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_halves, unpack_halves}
 #import bevy_lean_deferred::effects::reflections::bindings::filtered_texture
-#import bevy_lean_deferred::effects::reflections::receiver::{Receiver, texel_beside, weight_beside}
+#import bevy_lean_deferred::effects::reflections::receiver::{Receiver, texel_beside}
 #import bevy_lean_deferred::effects::reflections::texels::{CACHE_SIDE, nearest_inside}
 
 /// Light times confidence, and confidence, of the lobes of texels.
@@ -19,11 +19,11 @@ fn keep_lobe(read: i32, lobe: vec4<f32>, counts: bool) {
 }
 
 /// Light times confidence, and confidence. The directions of each lobe weigh alike, and so do those of their mean.
-fn rough_light(receiver: Receiver, first: i32, along: vec2<f32>) -> vec4<f32> {
+fn rough_light(receiver: Receiver, first: i32) -> vec4<f32> {
     var sum = vec4(0.0);
     var weights = 1e-12;
     for (var i = 0; i < 4; i++) {
-        let weight = weight_beside(receiver, i, along);
+        let weight = receiver.weights[i];
         sum += weight * unpack_halves(filtered[texel_beside(first, i)]);
         weights += weight;
     }

@@ -9,7 +9,7 @@
     Receiver, light_around, steady_hit, texel_beside,
 }
 #import bevy_lean_deferred::effects::reflections::surface::{lobe_width, rotated}
-#import bevy_lean_deferred::effects::reflections::texels::lights
+#import bevy_lean_deferred::effects::reflections::texels::{first_beside, lights}
 
 /// Gap where no surface is to be tested.
 const NOTHING_NEAR: f32 = 9.0;
@@ -96,18 +96,15 @@ fn metres_between(receiver: Receiver, line: Line, front: vec2<f32>, back: vec2<f
 }
 
 /// Hit of ray `i` of the four around the pixel.
-fn neighbor_ray(receiver: Receiver, first: i32, i: i32, along: vec2<f32>, distance_to_viewer: f32) -> NeighborRay {
-    let corner = vec2(i & 1, i >> 1u);
-    let near = select(1.0 - along, along, corner == vec2(1));
+fn neighbor_ray(receiver: Receiver, first: i32, i: i32, distance_to_viewer: f32) -> NeighborRay {
     let texel = texel_beside(first, i);
     let image = unpack_distance(steady_hit(texel));
     let has_met = image != 0.0;
-    let alike = receiver.alike[i];
     return NeighborRay(
         select(0.0, image - distance_to_viewer, has_met),
         unpack2x16float(lights[texel].y).y,
-        select(0.0, near.x * near.y * alike, has_met),
-        alike > 0.5,
+        select(0.0, receiver.weights[i], has_met && receiver.is_near[i]),
+        receiver.is_alike[i],
     );
 }
 
@@ -117,7 +114,6 @@ fn place_of_some(
     receiver: Receiver,
     line: Line,
     first: i32,
-    along: vec2<f32>,
     distance_to_viewer: f32,
     confidence: f32,
 ) -> vec3<f32> {
@@ -127,7 +123,7 @@ fn place_of_some(
     var front = vec2(-1.0, 0.0);
     var back = vec2(0.0);
     for (var i = 0; i < 4; i++) {
-        let ray = neighbor_ray(receiver, first, i, along, distance_to_viewer);
+        let ray = neighbor_ray(receiver, first, i, distance_to_viewer);
         if ray.weight > 0.0 {
             let gap = gap_at(receiver, seen_at(line, ray.metres));
             let weight = ray.weight * match_of(gap);
@@ -149,7 +145,7 @@ fn place_of_some(
     return vec3(metres, confidence, select(0.0, 1.0, metres >= 0.0));
 }
 
-fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight {
+fn smooth_light(receiver: Receiver, first: i32) -> SmoothLight {
     let origin = view_position(receiver.at, receiver.depth);
     let direction = reflect(-to_viewer(origin), rotated(receiver.normal));
     let to_mirror = length(origin);
@@ -165,7 +161,7 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     var shortest = 1e9;
     var longest = 0.0;
     for (var i = 0; i < 4; i++) {
-        let ray = neighbor_ray(receiver, first, i, along, distance_to_viewer);
+        let ray = neighbor_ray(receiver, first, i, distance_to_viewer);
         sum += vec2(ray.metres, ray.confidence) * ray.weight;
         weights += ray.weight;
         shortest = select(shortest, min(shortest, ray.metres), ray.is_alike);
@@ -173,18 +169,20 @@ fn smooth_light(receiver: Receiver, first: i32, along: vec2<f32>) -> SmoothLight
     }
     var mean = sum / max(weights, 1e-6);
     var at = seen_at(line, mean.x);
+    let is_one = longest - shortest < SPREAD * longest;
     // Most often all rays have hit the same surface, and the pixel's own ray hits it between them.
     let is_met = weights > 0.02 && match_of(gap_at(receiver, at)) == 1.0;
-    let is_certain = is_met && longest - shortest < SPREAD * longest;
-    if weights > 0.02 && !is_met {
-        let place = place_of_some(receiver, line, first, along, distance_to_viewer, mean.y);
+    let is_certain = is_met && is_one;
+    var is_hit = weights > 0.02;
+    if is_hit && !is_met {
+        let place = place_of_some(receiver, line, first, distance_to_viewer, mean.y);
         mean = place.xy;
-        weights = place.z;
+        is_hit = place.z > 0.02;
         at = seen_at(line, mean.x);
     }
-    if !(weights > 0.02) {
-        // At silhouettes.
-        return SmoothLight(light_around(receiver, first, along), false, false);
+    if !is_hit {
+        // At silhouettes. Not `first`: what was read of these texels before would be in registers until here.
+        return SmoothLight(light_around(receiver, first_beside(receiver.at)), false, false);
     }
     // Not `origin + direction * mean.x`: six registers less are in use until here.
     let position = view_position(at.xy, at.z);

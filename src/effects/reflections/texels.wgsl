@@ -40,6 +40,14 @@ var<workgroup> depths: array<f32, CACHE_SIDE * CACHE_SIDE>;
 /// Packed by `pack_hit`; 0 without a ray.
 var<workgroup> hits: array<u32, CACHE_SIDE * CACHE_SIDE>;
 
+#ifndef SPATIAL_FILTER
+/// Index of the first of the four texels around a position in pixels.
+fn first_beside(at: vec2<f32>) -> i32 {
+    let texel = vec2<i32>(vec2<u32>(at) % u32(WORKGROUP_SIDE) / u32(DIVISOR));
+    return texel.x + CACHE_SIDE * texel.y + FIRST_MADE;
+}
+#endif
+
 /// Content of the textures at a texel.
 struct Texel {
     place: vec2<i32>,
