@@ -62,29 +62,33 @@ const INTO: f32 = 1.0 / 256.0;
 
 /// Constants of a ray's walk from cell to cell.
 struct CellWalk {
+    /// Of magnitudes from 1 on, but for rounding: a step is at most a pixel along each axis.
     inverse_step: vec2<f32>,
-    /// 1 along axes on which it moves forwards, else 0.
-    forwards: vec2<f32>,
 }
 
 fn cell_walk(ray: Ray) -> CellWalk {
     let step = select(ray.step.xy, vec2(1e-12), abs(ray.step.xy) < vec2(1e-12));
-    return CellWalk(1.0 / step, vec2<f32>(step > vec2(0.0)));
+    return CellWalk(1.0 / step);
+}
+
+/// 1 along axes on which it moves forwards, else 0. Exact, and not kept in registers.
+fn forwards(walk: CellWalk) -> vec2<f32> {
+    return saturate(2.0 * walk.inverse_step);
 }
 
 /// Number of the cell that the walk enters at `u`, per axis.
 fn cell_place(walk: CellWalk, ray: Ray, u: f32, inverse_side: f32) -> vec2<f32> {
-    let into = walk.forwards * (2.0 * INTO) - INTO;
+    let into = forwards(walk) * (2.0 * INTO) - INTO;
     return floor((ray.start.xy + ray.step.xy * u + into) * inverse_side);
 }
 
 /// Parameters at which the walk leaves the cell at `place` along each axis.
 fn cell_ends(walk: CellWalk, ray: Ray, place: vec2<f32>, side: f32) -> vec2<f32> {
-    return ((place + walk.forwards) * side - ray.start.xy) * walk.inverse_step;
+    return ((place + forwards(walk)) * side - ray.start.xy) * walk.inverse_step;
 }
 
 /// True if a larger cell, of 4×4, begins where the walk leaves the cell at `place`, at one of `ends`.
 fn larger_begins(walk: CellWalk, place: vec2<f32>, ends: vec2<f32>) -> bool {
-    let next = place + walk.forwards;
+    let next = place + forwards(walk);
     return fract(0.25 * select(next.y, next.x, ends.x < ends.y)) == 0.0;
 }

@@ -60,6 +60,21 @@ fn to_viewer(position: vec3<f32>) -> vec3<f32> {
 #endif
 }
 
+/// Cosine between the normal of a surface, seen at `at` in pixels, and the direction to the viewer.
+fn facing_viewer(normal: vec3<f32>, at: vec2<f32>, depth: f32) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return normal.z;
+#else
+#ifdef PROJECTION_PERSPECTIVE
+    // In the direction of the position, whatever the depth.
+    let seen = vec3(reconstruction::ray_at(view.view_from_pixel, at), view.view_from_pixel[3].z);
+#else
+    let seen = view_position(at, depth);
+#endif
+    return -dot(normal, seen) * inverseSqrt(dot(seen, seen));
+#endif
+}
+
 /// Depth step that separates surfaces `pixels` apart.
 fn edge_step(depth: f32, pixels: f32) -> f32 {
     return (view.edge.x * depth + view.edge.y) * pixels;

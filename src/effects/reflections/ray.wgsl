@@ -5,7 +5,7 @@
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
 #import bevy_lean_deferred::screen_ray::{Ray, ray_towards}
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    behind, depth_in_view, edge_step, homogeneous_pixel, normal_texture, to_viewer, view, view_position,
+    behind, depth_in_view, edge_step, facing_viewer, homogeneous_pixel, normal_texture, view,
 }
 
 /// State of a march.
@@ -27,11 +27,11 @@ struct RayHit {
     certainty: f32,
 }
 
-/// Ray from `position`, which is seen at `start`, in unit direction `direction`; both in view space.
-fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>) -> Ray {
+/// Ray from `position`, which is seen at `start` in a view of this `size`, in unit direction `direction`; both in view space.
+fn ray_on_screen(start: vec3<f32>, position: vec3<f32>, direction: vec3<f32>, size: vec2<f32>) -> Ray {
     let here = homogeneous_pixel(position, 1.0);
     let towards = homogeneous_pixel(direction, 0.0);
-    return ray_towards(start, here, towards, vec2<f32>(view.viewport_size));
+    return ray_towards(start, here, towards, size);
 }
 
 /// Pixel that the ray crosses at `u`.
@@ -48,8 +48,8 @@ fn share_of_thickness(pixel: vec2<i32>, depth: f32, direction: vec3<f32>) -> f32
         return 1.0;
     }
     let normal = (view.view_from_world * vec4(unpack_normal(word), 0.0)).xyz;
-    let facing = dot(normal, to_viewer(view_position(vec2<f32>(pixel) + 0.5, depth)));
-    return select(0.0, saturate(facing), dot(normal, direction) < 0.0);
+    let faces_ray = dot(normal, direction) < 0.0;
+    return select(0.0, saturate(facing_viewer(normal, vec2<f32>(pixel) + 0.5, depth)), faces_ray);
 }
 
 /// Distance behind the front at `pixel` of a ray that enters it at depth `z`, as a share of the thickness. Above 1, the ray misses.

@@ -90,7 +90,7 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
     let rows = largest_rows(view.viewport_size.y);
     var now = *march;
     var crossing: Crossing;
-    while now.segments < segments && now.u < ray.end && !crossing.is_one {
+    while now.segments < segments && now.u < ray.end {
         let length = max(view.shortest_segment, growth * now.u) * now.factor;
         now.length = length;
         // The smallest cells that are at least as long.
@@ -124,6 +124,8 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
             continue;
         }
         var passed = TOGETHER;
+        // In place of `crossing`, which would be in registers from iteration to iteration if it were not set at the end alone.
+        var found: Crossing;
         if looks {
             let at = min(vec4(now.u) + length * vec4(0.5, 1.5, 2.5, 3.5), vec4(ray.end));
             let depths = vec4(
@@ -133,11 +135,11 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
             let stays_in_front = is_in_front | (ray.start.z + ray.step.z * at > depths);
             for (var n = 0u; n < TOGETHER; n++) {
                 if now.is_in_front && !stays_in_front[n] {
-                    crossing = Crossing(true, max(at[n] - length, begin), at[n], depths[n]);
+                    found = Crossing(true, max(at[n] - length, begin), at[n], depths[n]);
                     passed = n + 1u;
                 }
                 now.is_in_front = stays_in_front[n];
-                if crossing.is_one {
+                if found.is_one {
                     break;
                 }
             }
@@ -147,6 +149,10 @@ fn next_crossing(ray: Ray, begin: f32, growth: f32, segments: u32, march: ptr<fu
         now.u += f32(passed) * length;
         now.segments += passed;
         now.factor = select(1.0, min(2.0 * now.factor, LONGER), all(is_in_front));
+        if found.is_one {
+            crossing = found;
+            break;
+        }
     }
     *march = now;
     return crossing;
@@ -174,8 +180,10 @@ fn march(
         if !crossing.is_one {
             break;
         }
-        hit = hit_between(ray, direction, crossing.front, crossing.back, crossing.depth, is_smooth);
-        if hit.is_hit {
+        // In place of `hit`, for fewer registers: see `next_crossing`.
+        let found = hit_between(ray, direction, crossing.front, crossing.back, crossing.depth, is_smooth);
+        if found.is_hit {
+            hit = found;
             break;
         }
     }

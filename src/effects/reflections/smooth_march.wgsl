@@ -11,6 +11,9 @@
     larger_begins,
 }
 
+/// Length of a ray in its own pixel, in whose middle it starts.
+const OWN_PIXEL: f32 = 0.5;
+
 /// Above the depth of the sky as stored in cells.
 const NEAREST_TO_SKY: f32 = 1e-9;
 
@@ -43,16 +46,16 @@ fn march(
     let rows = largest_rows(view.viewport_size.y);
     let last = vec2<i32>(view.viewport_size) - 1;
     var side = FIRST_SIDE;
-    var inverse_side = 1.0 / FIRST_SIDE;
-    var u = (*state).u;
+    var u = OWN_PIXEL;
     // The next pixel may show what touches the mirror within the ray's own pixel: it is entered with the depth of the start, and with a
     // tolerance, because what leans to the viewer is nearer there than where it touches. The pixel may also show what hides the
     // mirror: then the ray starts behind it.
-    let first = u;
     var z = ray.start.z;
-    var was_in_front = (*state).is_in_front;
+    var was_in_front = false;
     var hit: RayHit;
     for (var i = 0u; i < steps && u < ray.end; i++) {
+        // A power of 2, whose exponent is negated.
+        let inverse_side = bitcast<f32>(0x7f000000u - bitcast<u32>(side));
         let place = cell_place(walk, ray, u, inverse_side);
         let cell = vec2<i32>(place);
         let pixel = clamp(cell, vec2(0), last);
@@ -79,7 +82,7 @@ fn march(
         var passes = is_in_front || reached < depths.y;
         if !passes && is_pixel {
             is_in_front = next_z > depth;
-            let tolerance = select(0.0, edge_step(depth, 1.0), u == first);
+            let tolerance = select(0.0, edge_step(depth, 1.0), u == OWN_PIXEL);
             if (was_in_front || z > depth - tolerance) && !is_in_front {
                 let middle = 0.5 * (u + next);
                 // A ray that enters in front of the surface and leaves behind it crosses it, however far behind. The tolerance
@@ -101,10 +104,11 @@ fn march(
             // Goes to larger cells only where one begins.
             let rises = larger_begins(walk, place, ends) && side < LAST_SIDE;
             side *= select(1.0, STEP_OF_SIDES, rises);
-            inverse_side *= select(1.0, 1.0 / STEP_OF_SIDES, rises);
             if bends && u >= ray.end {
                 let position = view_position(ray.start.xy, ray.start.z) + direction * metres;
-                ray = ray_on_screen(ray.start + ray.step * ray.end, position, scattered);
+                // Signed, so that it is converted here: the unsigned one of the first ray would be in registers throughout the loop.
+                let size = vec2<f32>(vec2<i32>(view.viewport_size));
+                ray = ray_on_screen(ray.start + ray.step * ray.end, position, scattered, size);
                 direction = scattered;
                 walk = cell_walk(ray);
                 u = 0.0;
@@ -114,7 +118,6 @@ fn march(
             }
         } else {
             side *= 1.0 / STEP_OF_SIDES;
-            inverse_side *= STEP_OF_SIDES;
         }
     }
     ray.end = select(ray.end, end, !is_scattered);

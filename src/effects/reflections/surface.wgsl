@@ -144,7 +144,8 @@ fn kept_light(last: LastPlace, level: f32) -> vec4<f32> {
 
 /// Pixel of the last frame where this frame has `pixel`, on a view that may have had another size.
 fn with_view(pixel: vec2<f32>) -> vec2<f32> {
-    return pixel / vec2<f32>(view.viewport_size) * view.last_viewport_size;
+    // Signed, for fewer registers: an unsigned size that is converted before a march would stay in them.
+    return pixel / vec2<f32>(vec2<i32>(view.viewport_size)) * view.last_viewport_size;
 }
 
 /// Motion of a pixel since the last frame, as a share of the picture.

@@ -17,7 +17,7 @@
 #import bevy_lean_deferred::effects::reflections::surface::{
     Mirror, ROUGH, mirror_of, moves_itself, normal_word_at, rotated, smoothness, with_roughness,
 }
-#import bevy_lean_deferred::screen_ray::{metres_at, rim_fade}
+#import bevy_lean_deferred::screen_ray::{Ray, metres_at, rim_fade}
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 /// Rays that form a lobe together: those of 4×4 texels.
@@ -25,9 +25,6 @@ const RAYS: u32 = 16u;
 
 /// Least growth of a ray's segments with its length, so that most rays leave the picture before their segments are used up.
 const LEAST_GROWTH: f32 = 0.03;
-
-/// Length of a ray in its own pixel, in whose middle it starts.
-const OWN_PIXEL: f32 = 0.5;
 
 /// Radius in texels of a smooth surface's lobe up to which its rays take the mirror's direction.
 const TOGETHER: f32 = 2.0;
@@ -47,6 +44,18 @@ struct TraceResult {
     light: vec4<f32>,
     /// Packed by `pack_hit`.
     hit: u32,
+}
+
+/// Light at a ray's hit.
+struct HitLight {
+    /// Light and confidence.
+    light: vec4<f32>,
+    /// Distance to the mirror image, as packed by `pack_hit`; 0 without light.
+    image: f32,
+    /// Share of the light that the last frame showed.
+    known: f32,
+    /// `MOVES` for a surface that moves on its own, or 0.
+    moves: u32,
 }
 
 /// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems"), shifted.
@@ -96,7 +105,6 @@ fn begin_at(texel: vec2<i32>) -> Begin {
 }
 
 fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
-    var result: TraceResult;
     let is_rough = mirror.roughness > ROUGH;
     let position = view_position(start.xy, start.z);
     let to_mirror = length(position);
@@ -109,39 +117,54 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
     let sample = sample_lobe(local, alpha, numbers_of(turn, shift_of(view.phase)));
     let scattered = basis * sample.direction.xy + normal * sample.direction.z;
     let direction = select(basis * -local.xy + normal * local.z, scattered, is_rough);
-    var path = Path(ray_on_screen(start, position, direction), direction, is_rough);
+    var path = Path(ray_on_screen(start, position, direction, vec2<f32>(view.viewport_size)), direction, is_rough);
     var hit: RayHit;
     // Segments begin in the middle of the next pixel.
-    var state = MarchState(select(OWN_PIXEL, 1.0, is_rough), is_rough, 0.0);
+    var state = MarchState(1.0, true, 0.0);
     let together = metres_together(alpha, to_mirror);
     if !is_rough {
         hit = march_smooth(&path, scattered, together, view.smooth_steps, &state);
     }
-    let is_scattered = path.is_scattered;
-    // Metres from the mirror to where the ray scatters.
-    let begin = select(0.0, together, is_scattered && !is_rough);
     let ray = path.ray;
-    let weight = select(1.0, sample.weight, is_scattered);
-    let changes = select(0u, CHANGES, is_scattered);
-    result.hit = pack_hit(0.0, weight, changes);
-    if weight == 0.0 {
-        return result;
+    let weight = select(1.0, sample.weight, path.is_scattered);
+    var seen = HitLight(vec4(0.0), 0.0, 1.0, 0u);
+    if weight != 0.0 {
+        // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are
+        // few, but all others would wait for them.
+        if !hit.is_hit && state.u < ray.end {
+            // Differs from that of neighbouring rays.
+            let phase = fract(f32(turn) * 0.618034);
+            let growth = max(view.growth * alpha, LEAST_GROWTH);
+            hit = rough_march::march(ray, path.direction, growth, phase, view.rough_segments, !is_rough, &state);
+        }
+        if hit.is_hit {
+            // Metres from the mirror to where the ray scatters.
+            let begin = select(0.0, together, path.is_scattered && !is_rough);
+            seen = light_at(ray, hit, state.span, to_mirror, begin, alpha, is_rough, path.is_scattered, sample.density);
+        }
     }
-    // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are few,
-    // but all others would wait for them.
-    if !hit.is_hit && state.u < ray.end {
-        // Differs from that of neighbouring rays.
-        let phase = fract(f32(turn) * 0.618034);
-        let growth = max(view.growth * alpha, LEAST_GROWTH);
-        hit = rough_march::march(ray, path.direction, growth, phase, view.rough_segments, !is_rough, &state);
-    }
-    if !hit.is_hit {
-        return result;
-    }
+    let bits = select(0u, CHANGES, path.is_scattered) | seen.moves;
+    return TraceResult(seen.light, pack_hit(seen.image, weight * seen.known, bits));
+}
+
+/// Light at the hit of a ray that begins `begin` metres beyond its mirror, where it scatters, if it does. That is `to_mirror` metres away,
+/// and has the squared roughness `alpha`. `density`: of scattered rays in this direction.
+fn light_at(
+    ray: Ray,
+    rough_hit: RayHit,
+    span: f32,
+    to_mirror: f32,
+    begin: f32,
+    alpha: f32,
+    is_rough: bool,
+    is_scattered: bool,
+    density: f32,
+) -> HitLight {
+    let nothing = HitLight(vec4(0.0), 0.0, 1.0, 0u);
     // Here, where the rays of a subgroup have converged again.
-    hit = hit_at(ray, vec2<i32>(hit.place.xy), hit.place.z, hit.u, state.span, hit.certainty);
+    let hit = hit_at(ray, vec2<i32>(rough_hit.place.xy), rough_hit.place.z, rough_hit.u, span, rough_hit.certainty);
     if hit.certainty == 0.0 {
-        return result;
+        return nothing;
     }
     let hit_position = view_position(hit.place.xy, hit.place.z);
     let metres = begin + metres_at(ray, hit.u);
@@ -153,26 +176,25 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
     let scale_at_hit = scale / max(-hit_position.z, 1e-6);
 #endif
     let wide = (metres - begin) * scale_at_hit;
-    let share = select(0.0, wide * wide / (f32(RAYS) * sample.density), is_scattered);
-    let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(view.divisor));
+    let share = select(0.0, wide * wide / (f32(RAYS) * density), is_scattered);
+    // Unsigned, and the size below signed, so that they are converted here: those before the march would be in registers throughout.
+    let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(u32(view.divisor)));
     let level = 0.5 * log2(max(max(share, select(texel_wide * texel_wide, 1.0, is_rough)), 1.0));
-    let seen = mirrored_light(hit.place, hit_position, level, to_mirror, metres);
+    let light = mirrored_light(hit.place, hit_position, level, to_mirror, metres);
     // Lobes leave out scattered rays whose light the last frame did not show: others of the lobe stand for it better than the sky.
-    let known = select(1.0, seen.w, is_scattered);
-    let rim = rim_fade(hit.place.xy, vec2<f32>(view.viewport_size), view.edge_fade);
-    let confidence = select(seen.w, 1.0, is_scattered) * hit.certainty * rim;
-    if !is_finite(seen.r + seen.g + seen.b + confidence + metres) {
-        return result;
+    let known = select(1.0, light.w, is_scattered);
+    let rim = rim_fade(hit.place.xy, vec2<f32>(vec2<i32>(view.viewport_size)), view.edge_fade);
+    let confidence = select(light.w, 1.0, is_scattered) * hit.certainty * rim;
+    if !is_finite(light.r + light.g + light.b + confidence + metres) {
+        return nothing;
     }
-    result.light = vec4(seen.rgb, confidence);
 #ifdef PROJECTION_ORTHOGRAPHIC
     let image = metres;
 #else
     let image = to_mirror + metres;
 #endif
     let moves = select(0u, MOVES, moves_itself(hit.place, hit_position));
-    result.hit = pack_hit(max(image, 1e-6), weight * known, changes | moves);
-    return result;
+    return HitLight(vec4(light.rgb, confidence), max(image, 1e-6), known, moves);
 }
 
 @compute @workgroup_size(64, 1, 1)
