@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use kit::{
     bench_spans,
     example::{panel::PanelCamera, run},
+    gpu,
     gpu_time::Samples,
     headless::{Headless, Picture},
     metrics::difference,
@@ -130,6 +131,16 @@ impl Report {
         }
         let (size, device) = (self.headless.size, self.headless.adapter_and_driver());
         let lights = self.lights();
+        let mut notes = vec![
+            "Lean is without effects here, as forward has none of them.".into(),
+            "Camera: all passes, those of shadow maps and post-processing too.".into(),
+            "FLIP: mean perceived difference; 0 is equal. Bevy deferred leaves out anisotropy, which the shutters have.".into(),
+        ];
+        if !gpu::is_there() {
+            notes.push(
+                "There is no GPU here: times of a software renderer say little of a GPU's.".into(),
+            );
+        }
         let columns = [
             "renderer", "geometry", "lighting", "camera", "bytes", "PSNR dB", "FLIP",
         ];
@@ -141,10 +152,7 @@ impl Report {
             ),
             columns: columns.map(Into::into).into(),
             rows,
-            notes: vec![
-                "Lean is without effects here, as forward has none of them.".into(),
-                "Camera: all passes, those of shadow maps and post-processing too.".into(),
-            ],
+            notes,
         })
     }
 
@@ -188,7 +196,7 @@ impl Report {
             };
             let off = self.shoot(&format!("{} off", effect.component()), show(false));
             let on = self.shoot(effect.component(), show(true));
-            let file = self.save(effect.name(), &off.picture.split(&on.picture))?;
+            let file = self.save(effect.name(), &off.picture.beside(&on.picture))?;
             let time = on.samples.sum(|span| effect.owns(span));
             rows.push(vec![
                 format!("`{}`", effect.component()),
@@ -200,7 +208,7 @@ impl Report {
             title: "Effects, each alone on a lean camera: left off, right on".into(),
             columns: ["effect", "its passes", "picture"].map(Into::into).into(),
             rows,
-            notes: Vec::new(),
+            notes: vec!["Auto exposure is shown on a camera with the exposure of daylight.".into()],
         })
     }
 

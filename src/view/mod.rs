@@ -264,11 +264,13 @@ pub(crate) fn can_build(app: &mut App, plugin: &'static str, with_pbr: bool) -> 
     } else {
         return true;
     };
-    app.add_plugins(OffNotice { plugin, missing });
+    if !app.is_plugin_added::<OffNotice>() {
+        app.add_plugins(OffNotice { plugin, missing });
+    }
     false
 }
 
-/// Logs in `finish`, once there is a log, that a plugin of this crate has added nothing.
+/// Logs in `finish`, once there is a log, that plugins of this crate have added nothing. `plugin` is the first of them.
 struct OffNotice {
     plugin: &'static str,
     missing: &'static str,
@@ -280,11 +282,8 @@ impl Plugin for OffNotice {
     fn finish(&self, _: &mut App) {
         let Self { plugin, missing } = self;
         error!(
-            "{plugin} is off, and Bevy renders all cameras: it needs {missing}. Add it after `DefaultPlugins`."
+            "{plugin} is off, as all plugins of this crate that need {missing}: it was not there when they were added. Add \
+             `LeanDeferredPlugins` after `DefaultPlugins`."
         );
-    }
-
-    fn is_unique(&self) -> bool {
-        false
     }
 }

@@ -5,10 +5,12 @@ use core::fmt;
 use bevy::{
     camera::Viewport,
     core_pipeline::schedule::Core3d,
-    ecs::schedule::ScheduleLabel,
+    ecs::{lifecycle::HookContext, schedule::ScheduleLabel, world::DeferredWorld},
     prelude::*,
     render::{camera::ExtractedCamera, render_resource::TextureFormat},
 };
+
+use super::support::SupportChecks;
 
 /// On a camera with the component of an effect: tells for each effect if the last frame had it, or the reason that it did
 /// not. Inserted with the first of these components and removed with the last one.
@@ -29,6 +31,7 @@ use bevy::{
 /// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[component(on_add = warn_without_plugins)]
 pub struct LeanStatus {
     /// Of [`LeanDeferred`](crate::LeanDeferred): on if the camera was rendered through the G-buffer. Bevy renders it otherwise.
     pub deferred: EffectStatus,
@@ -185,6 +188,17 @@ fn remove_empty_status(mut camera: EntityWorldMut) {
     }
 }
 
+/// Warns once in an app without plugins of this crate, where components do nothing. All of them come with a status.
+fn warn_without_plugins(world: DeferredWorld, context: HookContext) {
+    if !world.contains_resource::<SupportChecks>() {
+        warn_once!(
+            "Components of bevy_lean_deferred on camera {} do nothing: the app has no plugins of this crate. Add \
+             `LeanDeferredPlugins` after `DefaultPlugins`.",
+            context.entity
+        );
+    }
+}
+
 /// The reason that a camera does not have an effect. Its text completes the sentence "It is off: …", and names what to
 /// change. `docs/reliability.md` lists the requirements for camera and device.
 #[derive(Reflect, Clone, Debug, PartialEq, Eq)]
@@ -236,7 +250,7 @@ impl fmt::Display for LeanOffReason {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::NotRendered => f.write_str(
-                "it was not rendered: let its `Camera` be active, with a target that exists",
+                "it was not rendered yet: if this stays, let its `Camera` be active, with a target that exists",
             ),
             Self::Disabled => f.write_str("`LeanDeferred::enabled` is false: set it to true"),
             Self::NoLeanDeferred => f.write_str(

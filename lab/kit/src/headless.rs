@@ -328,6 +328,19 @@ impl Picture {
         }
     }
 
+    /// This picture and another of the same size, beside each other.
+    pub fn beside(&self, right: &Self) -> Self {
+        assert_eq!(self.size, right.size);
+        let row_bytes = self.size.x as usize * 4;
+        let rows = (self.rgba.chunks(row_bytes)).zip(right.rgba.chunks(row_bytes));
+        Self {
+            size: self.size * UVec2::new(2, 1),
+            rgba: rows
+                .flat_map(|(left, right)| [left, right].concat())
+                .collect(),
+        }
+    }
+
     /// Writes a PNG; panics if that fails.
     pub fn save(&self, path: impl AsRef<std::path::Path>) {
         let path = path.as_ref();

@@ -7,9 +7,9 @@ use std::{
 
 use crate::headless::Headless;
 use bevy::{
-    app::PluginGroupBuilder, asset::UnapprovedPathMode, diagnostic::FrameTimeDiagnosticsPlugin,
-    input::InputSystems, prelude::*, render::diagnostic::RenderDiagnosticsPlugin, ui::UiSystems,
-    window::WindowResolution,
+    app::PluginGroupBuilder, asset::UnapprovedPathMode, camera::ShadowLodOrigin,
+    diagnostic::FrameTimeDiagnosticsPlugin, input::InputSystems, prelude::*,
+    render::diagnostic::RenderDiagnosticsPlugin, ui::UiSystems, window::WindowResolution,
 };
 use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
@@ -114,8 +114,20 @@ impl Plugin for Example {
                 .add_systems(PreUpdate, keys::read_keys.after(InputSystems));
             return;
         };
+        app.add_systems(PostStartup, set_shadow_lod_origin);
         let (size, write) = (self.size, self.write.clone());
         app.set_runner(move |app| write(Headless::from_app(size, app, |_| {}), &path));
+    }
+}
+
+/// Without a window, Bevy asks for the camera by which shadows choose their levels of detail.
+fn set_shadow_lod_origin(
+    mut commands: Commands,
+    set: Query<(), With<ShadowLodOrigin>>,
+    cameras: Query<Entity, With<Camera3d>>,
+) {
+    if let Some(camera) = cameras.iter().next().filter(|_| set.is_empty()) {
+        commands.entity(camera).insert(ShadowLodOrigin);
     }
 }
 
