@@ -5,8 +5,8 @@
 #
 # It needs the target wasm32-unknown-unknown, which it adds by rustup where there is one, and wasm-bindgen-cli of the version that
 # Cargo.lock has, which it builds into a cache folder. `CARGO` names another cargo, `WASM_BINDGEN` another wasm-bindgen; `WEB_TARGET` the
-# target folder, `WEB_OUT` where the page goes. `WEB_PROFILE=quick` builds in less time what is larger and slower. wasm-opt is run if it
-# is there.
+# target folder, `WEB_OUT` where the page goes. `WEB_PROFILE=quick` builds in less time what is larger and slower. wasm-opt (Binaryen) is
+# run if it is there; `WASM_OPT` names another.
 set -eu
 cd "$(dirname "$0")"
 cargo=${CARGO:-cargo}
@@ -46,14 +46,26 @@ fi
 
 rm -rf "$out"
 mkdir -p "$out"
-"$bindgen" --target web --no-typescript --out-dir "$out" --out-name app \
+"$bindgen" --target web --no-typescript --remove-name-section --out-dir "$out" --out-name app \
     "$target/wasm32-unknown-unknown/$profile/bevy_lean_deferred_web.wasm"
-if [ "$profile" = release ] && command -v wasm-opt >/dev/null; then
-    wasm-opt -Os --all-features "$out/app_bg.wasm" -o "$out/smaller.wasm" && mv "$out/smaller.wasm" "$out/app_bg.wasm"
-    rm -f "$out/smaller.wasm"
-fi
 cp page/* "$out/"
 
-bytes=$(wc -c <"$out/app_bg.wasm")
-zipped=$(gzip -9 -c "$out/app_bg.wasm" | wc -c)
-echo "$out: app_bg.wasm has $bytes bytes, $zipped by gzip"
+size() {
+    bytes=$(wc -c <"$out/app_bg.wasm")
+    zipped=$(gzip -9 -c "$out/app_bg.wasm" | wc -c)
+    echo "$out: app_bg.wasm has $bytes bytes, $zipped by gzip, $*"
+}
+
+opt=${WASM_OPT:-wasm-opt}
+size "without wasm-opt"
+if [ "$profile" = release ] && version=$("$opt" --version 2>/dev/null); then
+    number=${version#wasm-opt version }
+    # Version 108, which Debian 12 has, exchanges tables.
+    if [ "${number%% *}" -lt 120 ]; then
+        echo "$version is too old, and was not run: 120 is needed." >&2
+    else
+        "$opt" -Oz "$out/app_bg.wasm" -o "$out/smaller.wasm"
+        mv "$out/smaller.wasm" "$out/app_bg.wasm"
+        size "by wasm-opt ${number%% *}"
+    fi
+fi
