@@ -12,6 +12,7 @@ function switches() {
 
 function apply() {
   for (const [name, on] of switches()) app.set_switch(name, on);
+  app.set_place(document.getElementById('place').value);
 }
 
 /** So long without a frame, in milliseconds, and something is wrong. */

@@ -2,6 +2,12 @@
 window.pictures = {};
 window.deviceErrors = [];
 
+// The test begins without what the page begins with.
+addEventListener('DOMContentLoaded', () => {
+  for (const input of document.querySelectorAll('[type=checkbox]:not(#motion)')) input.checked = false;
+  document.getElementById('forward').checked = true;
+});
+
 // What goes wrong on the GPU: the app sees it too, but tells of it in its own way, or not at all.
 if (window.GPUAdapter) {
   const requestDevice = GPUAdapter.prototype.requestDevice;
@@ -12,6 +18,12 @@ if (window.GPUAdapter) {
     return device;
   };
 }
+
+/** What has ended the app, or nothing. */
+window.ended = () => {
+  const message = document.getElementById('message')?.textContent ?? '';
+  return window.deviceErrors.join('\n') || (message.startsWith('It has stopped') ? message : '');
+};
 
 /** Copies the canvas. To be called while what the app has drawn is still there. */
 function copy(name) {
