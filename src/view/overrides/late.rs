@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::needs::{CameraEffect, Need};
+use super::{
+    label_of,
+    needs::{CameraEffect, Need},
+};
 
 /// On a camera: the warning was logged.
 #[derive(Component)]
@@ -20,9 +23,9 @@ pub(super) fn warn_of_change<E: CameraEffect>(camera: &mut EntityWorldMut, chang
     camera.insert(ToldOfChange);
     let names = Need::list(changed);
     let effect = E::NAME;
-    let id = camera.id();
+    let label = label_of(camera.as_readonly());
     warn!(
-        "Camera {id} was rendered without {names} before {effect} was inserted, which needs it. Bevy recreates its own \
+        "Camera {label} was rendered without {names} before {effect} was inserted, which needs it. Bevy recreates its own \
          pipelines; pipelines that other crates cache per camera (outlines, particles) may no longer match, which ends the \
          app. If so, spawn it with {names}."
     );

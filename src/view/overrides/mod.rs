@@ -27,6 +27,15 @@ use bevy::prelude::*;
 use needs::{EffectNeeds, is_needed};
 use record::CameraOverrides;
 
+/// How messages name a camera: by its `Name`, if it has one, and its entity.
+fn label_of(camera: EntityRef) -> String {
+    let id = camera.id();
+    match camera.get::<Name>() {
+        Some(name) => format!("{name} ({id})"),
+        None => id.to_string(),
+    }
+}
+
 /// Changes cameras once when they get the effect `E`, and reverts that when they lose it. `can_run` tells if the device
 /// of the main world can run it; otherwise cameras stay unchanged.
 pub(crate) fn add_to<E: CameraEffect>(app: &mut App, can_run: fn(&World) -> bool) {

@@ -13,6 +13,7 @@ use bevy::{
 };
 
 use super::{
+    label_of,
     needs::{CameraNeeds, Need},
     record::CameraOverrides,
 };
@@ -69,11 +70,12 @@ pub(crate) fn warn_of_overlaps(
             } else {
                 "draws over"
             };
+            let [of_changed, of_other] = [changed, other].map(label_of);
             let settings = Need::list(&missing);
             let effects = needs.effects_of(changed, &missing).join(" and ");
             warn!(
-                "Camera {other_id} {place} camera {changed_id}, which has {settings} for {effects}: insert {settings} on camera \
-                 {other_id} too, or Bevy draws them into two textures, and the later one replaces the other or is blended over it."
+                "Camera {of_other} {place} camera {of_changed}, which has {settings} for {effects}: insert {settings} on camera \
+                 {of_other} too, or Bevy draws them into two textures, and the later one replaces the other or is blended over it."
             );
         }
     }
