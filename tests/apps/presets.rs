@@ -67,6 +67,38 @@ fn each_preset_runs() {
     });
 }
 
+/// The table of memory in `docs/presets.md`: MiB of a camera without surfaces that scatter light, or that need optional targets.
+#[test]
+#[ignore = "nightly: large pictures take minutes on a software renderer"]
+fn memory_is_as_tabulated() {
+    in_own_process(|| {
+        let page = include_str!("../../docs/presets.md");
+        let mut rows = LeanPreset::ALL.map(|preset| format!("| `{preset:?}` |"));
+        for size in [(1280, 800), (1920, 1080), (3840, 2160)] {
+            let mut headless = Headless::new(size.into());
+            let mut scene = SceneBuilder {
+                headless: &mut headless,
+            };
+            scene.solids();
+            let camera = scene.default_camera(LeanMemory::default());
+            for (preset, row) in LeanPreset::ALL.into_iter().zip(&mut rows) {
+                let world = headless.world();
+                world
+                    .run_system_cached_with(apply, preset)
+                    .expect("it runs");
+                headless.settle();
+                let memory = headless.world().get::<LeanMemory>(camera);
+                let bytes = memory.expect("it is there").total();
+                row.push_str(&format!(" {:.1} |", bytes as f64 / f64::from(1 << 20)));
+            }
+        }
+        println!("{}", rows.join("\n"));
+        for row in rows {
+            assert!(page.contains(&row), "docs/presets.md lacks {row}");
+        }
+    });
+}
+
 /// A camera that is despawned in the same frame is no reason to panic.
 #[test]
 fn a_camera_that_is_gone() {
