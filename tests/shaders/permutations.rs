@@ -175,37 +175,30 @@ fn permutations(
     permutations
 }
 
-/// Checks `source` under these [`permutations`].
+/// Checks `source` under these [`permutations`]. Returns the definitions of pairs that are the same shader.
 fn check_permutations(
     source: &'static str,
     path: &str,
     factors: &[Factor],
     always: &[&'static str],
     values: &[(&str, u32)],
-) {
-    check_each_permutation(source, path, factors, always, values, |_, _, _| {});
-}
-
-/// The same, and hands out each module with the names of its definitions.
-fn check_each_permutation(
-    source: &'static str,
-    path: &str,
-    factors: &[Factor],
-    always: &[&'static str],
-    values: &[(&str, u32)],
-    mut visit: impl FnMut(&Modules, String, naga::Module),
-) {
+) -> Vec<[String; 2]> {
     let shader = Shader::from_wgsl(source, path);
     let mut modules = Modules::new();
     let permutations = permutations(factors, always, values);
     println!("{path}: {} permutations", permutations.len());
+    let mut checked = HashMap::new();
+    let mut twins = Vec::new();
     for defs in permutations {
         let names = names_of(&defs).join(", ");
-        match modules.check(&shader, defs) {
-            Ok(module) => visit(&modules, names, module),
-            Err(error) => panic!("{path} with {names}:\n{error}"),
+        let module = modules.check(&shader, defs);
+        let used = module.and_then(|module| modules.used_of(module));
+        let used = used.unwrap_or_else(|error| panic!("{path} with {names}:\n{error}"));
+        if let Some(other) = checked.insert(used, names.clone()) {
+            twins.push([other, names]);
         }
     }
+    twins
 }
 
 /// The definitions, in alphabetical order.
@@ -222,22 +215,16 @@ fn names_of(defs: &Definitions) -> Vec<String> {
 /// Definitions that lighting always has.
 const LIGHTING_ALWAYS: [&str; 2] = ["DEPTH_PREPASS", "VIEW_PROJECTION_NONSTANDARD"];
 
-/// Checks lighting. Permutations are different shaders, so that nothing is compiled twice.
+/// Checks lighting, whose permutations are different shaders: nothing is compiled twice.
 fn check_lighting(storage_buffers: u32) {
-    let mut names_of = HashMap::new();
-    check_each_permutation(
+    let twins = check_permutations(
         include_str!("../../src/lighting/lighting.wgsl"),
         "src/lighting/lighting.wgsl",
         LIGHTING,
         &LIGHTING_ALWAYS,
         &[("AVAILABLE_STORAGE_BUFFER_BINDINGS", storage_buffers)],
-        |modules, names, module| {
-            let used = modules.used_of(module).expect(&names);
-            if let Some(other) = names_of.insert(used, names.clone()) {
-                panic!("the same shader with\n{other}\nand\n{names}");
-            }
-        },
     );
+    assert!(twins.is_empty(), "{twins:#?}");
 }
 
 /// With as many bindings as the crate requires of a device.

@@ -118,7 +118,6 @@ pub struct OcclusionTextures {
 }
 
 /// Sizes and usages of these textures.
-#[derive(Clone, Copy, PartialEq)]
 struct TexturesNeeded {
     /// Of the occlusion, in texels.
     size: UVec2,
@@ -127,7 +126,7 @@ struct TexturesNeeded {
 }
 
 impl OcclusionTextures {
-    fn new(device: &RenderDevice, needed: TexturesNeeded) -> Self {
+    fn new(device: &RenderDevice, needed: &TexturesNeeded) -> Self {
         let texture = device.create_texture(&TextureDescriptor {
             label: Some(LABEL),
             size: needed.size.to_extents(),
@@ -152,7 +151,7 @@ impl OcclusionTextures {
         }
     }
 
-    fn are_as(&self, needed: TexturesNeeded) -> bool {
+    fn are_as(&self, needed: &TexturesNeeded) -> bool {
         let texture = &self.occlusion.texture;
         let sparse_depth = self.sparse_depth.as_ref();
         (texture.size(), texture.usage()) == (needed.size.to_extents(), needed.usage)
@@ -214,9 +213,9 @@ pub(super) fn prepare_occlusion_textures(
         let size = growing.fit(view.uniform.texture_size, largest, !is_compute);
         let mut made = None;
         let textures = match current {
-            Some(current) if current.are_as(needed(size)) => current.into_inner(),
+            Some(current) if current.are_as(&needed(size)) => current.into_inner(),
             _ => {
-                let make = |size| OcclusionTextures::new(&render_device, needed(size));
+                let make = |size| OcclusionTextures::new(&render_device, &needed(size));
                 let fitting = memory.fit_growing(&render_device, entity, LABEL, &mut growing, make);
                 let Some(textures) = fitting else {
                     commands

@@ -27,7 +27,7 @@ use bevy::prelude::*;
 use needs::{EffectNeeds, is_needed};
 use record::CameraOverrides;
 
-/// How messages name a camera: by its `Name`, if it has one, and its entity.
+/// Label of a camera in messages: its `Name`, if it has one, and its entity.
 fn label_of(camera: EntityRef) -> String {
     let id = camera.id();
     match camera.get::<Name>() {
