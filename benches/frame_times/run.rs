@@ -5,11 +5,12 @@ use bevy::{
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass},
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
-    render::diagnostic::RenderDiagnosticsPlugin,
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
 use bevy_lean_deferred::{
     LightCulling,
     gbuffer::GBufferUsage,
+    lighting::LightsByFragments,
     prelude::*,
     view::{
         IndirectDiffuse, IndirectSpecular, LeanDeferredAdvanced, LightingIo, ReadsDiffuseLight,
@@ -37,17 +38,20 @@ pub enum Contender {
     Lean,
     /// Lean, with lights culled per tile.
     LeanCulling(LightCulling),
+    /// Lean, with lighting by a fragment shader.
+    LeanFragment,
     /// Lean, with light that lighting exchanges with effects.
     LeanLightingIo(LightingIo),
 }
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Forward,
         Self::DepthOnly,
         Self::BevyDeferred,
         Self::Lean,
+        Self::LeanFragment,
         Self::LeanCulling(LightCulling::Subgroup),
         Self::LeanCulling(LightCulling::SharedMemory),
         Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT),
@@ -60,6 +64,7 @@ impl Contender {
             Self::DepthOnly => "Bevy depth prepass",
             Self::BevyDeferred => "Bevy deferred",
             Self::Lean => "lean",
+            Self::LeanFragment => "lean lighting by fragments",
             Self::LeanCulling(LightCulling::Subgroup) => "lean culling by subgroups",
             Self::LeanCulling(_) => "lean culling in shared memory",
             Self::LeanLightingIo(LightingIo::DIFFUSE_LIGHT) => "lean writing diffuse light",
@@ -80,7 +85,7 @@ impl Contender {
             Self::DepthOnly => (4, 4 + 8),
             Self::BevyDeferred => Renderer::BevyDeferred.bytes_per_pixel(gbuffer),
             // Resolving motion reads depth and normal; lighting also reads the target.
-            Self::Lean | Self::LeanCulling(_) | Self::LeanLightingIo(_) => {
+            _ => {
                 let (written, moved) = Renderer::Lean.bytes_per_pixel(gbuffer);
                 (written, moved + self.exchanged_bytes() + 2 * motion)
             }
@@ -103,7 +108,7 @@ impl Contender {
             Self::Forward => Renderer::Forward.spans(),
             Self::DepthOnly => (bench_spans::PREPASS, None),
             Self::BevyDeferred => Renderer::BevyDeferred.spans(),
-            Self::Lean | Self::LeanCulling(_) | Self::LeanLightingIo(_) => Renderer::Lean.spans(),
+            _ => Renderer::Lean.spans(),
         }
     }
 }
@@ -144,6 +149,10 @@ pub fn measure(
         }
         add_bench_spans(app);
         app.add_systems(Update, special::move_boxes);
+        if contender == Contender::LeanFragment {
+            app.sub_app_mut(RenderApp)
+                .init_resource::<LightsByFragments>();
+        }
     });
     let transform = scene.spawn(&mut headless);
     let target = headless.render_target();
@@ -161,7 +170,7 @@ pub fn measure(
         Contender::BevyDeferred => {
             camera.insert((DepthPrepass, DeferredPrepass));
         }
-        Contender::Lean | Contender::LeanLightingIo(_) => {
+        Contender::Lean | Contender::LeanFragment | Contender::LeanLightingIo(_) => {
             camera.insert(LeanDeferred::default());
         }
         Contender::LeanCulling(light_culling) => {

@@ -59,7 +59,7 @@ pub(super) fn prepare_lighting_bind_groups(
 }
 
 /// Returns `None` if a resource that the layouts need is missing.
-fn update_bind_groups(
+pub(super) fn update_bind_groups(
     bindings: &mut ViewLightingBindings,
     layouts: &LightingLayouts,
     pipelines: &LightingPipelines,

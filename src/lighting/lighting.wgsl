@@ -3,24 +3,12 @@
 // A view with special surfaces is lit by two dispatches of this shader. The first visits all tiles, lights those with plain
 // surfaces only, and lists the others. The second (VISITED_VARIANTS) visits that list; it is compiled for the kinds of
 // special surfaces in the view.
-#import bevy_lean_deferred::gbuffer::layout
 #import bevy_lean_deferred::gbuffer::layout::light::within_halves
-#import bevy_lean_deferred::lighting::bindings::{
-    normal_texture, output_texture, surface_texture, uniforms,
-}
+#import bevy_lean_deferred::lighting::bindings::{output_texture, uniforms}
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::shade::shade
-#import bevy_lean_deferred::lighting::surface::Pixel
+#import bevy_lean_deferred::lighting::surface::{Pixel, read_pixel}
 #import bevy_lean_deferred::tiles::{pixel_in_view, place_in_tile}
-#import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
-
-#ifdef GBUFFER_VALID_MASK
-#import bevy_lean_deferred::lighting::bindings::valid_mask_texture
-#endif
-
-#ifdef GBUFFER_SPECIALIZATION
-#import bevy_lean_deferred::lighting::bindings::specialization_texture
-#endif
 
 #ifdef LISTED_VARIANTS
 #import bevy_lean_deferred::lighting::tile_list::{list_tile, variant_of}
@@ -38,36 +26,6 @@
 #import bevy_lean_deferred::gbuffer::layout::light::pack_light
 #import bevy_lean_deferred::lighting::bindings::diffuse_light_texture
 #endif
-
-/// Reads the pixel at `place` of the viewport. Outside the viewport it has no geometry.
-fn read_pixel(place: vec2<u32>) -> Pixel {
-    var pixel: Pixel;
-    if any(place >= uniforms.viewport_size) {
-        return pixel;
-    }
-    pixel.position = vec2<i32>(uniforms.viewport_origin + place);
-    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
-    if uniforms.depth_tells_geometry != 0u && pixel.depth == 0.0 {
-        return pixel;
-    }
-    // Elsewhere depth alone does not decide: forward meshes have depth too, and surfaces at `far` have 0.
-    pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
-    pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
-    // Without geometry the other words are undefined.
-    if !pixel.has_geometry {
-        return pixel;
-    }
-    pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
-#ifdef GBUFFER_VALID_MASK
-    pixel.valid_mask = textureLoad(valid_mask_texture, pixel.position, 0).r;
-#endif
-#ifdef GBUFFER_SPECIALIZATION
-    if (pixel.valid_mask & layout::SPECIALIZATION_VALID) != 0u {
-        pixel.specialization_word = textureLoad(specialization_texture, pixel.position, 0).r;
-    }
-#endif
-    return pixel;
-}
 
 #ifdef VISITED_VARIANTS
 @compute @workgroup_size(64, 1, 1)

@@ -33,6 +33,7 @@
 // - `subsurface_light.{rs,wgsl}`: the light that enters scattering surfaces, for the scattering pass.
 // - `scattering_tiles.wgsl`: writes that light and marks its tiles.
 // - `pass.rs`: the dispatches.
+// - `fragment.{rs,wgsl}`: the same by a fragment shader, for benches.
 // - `lighting.wgsl`: the entry point.
 // - `shade.wgsl`: the light of a pixel.
 // - `surface.wgsl`: unpacks the G-buffer for Bevy's lighting functions.
@@ -59,6 +60,8 @@ mod diffuse_light;
 mod features;
 #[doc(hidden)]
 pub mod forward;
+#[cfg(feature = "test_hooks")]
+mod fragment;
 mod general;
 #[doc(hidden)]
 pub mod implied;
@@ -79,6 +82,8 @@ mod tile_list;
 
 pub use crate::view::LightingPasses;
 pub use forward::define_lean_lighting;
+#[cfg(feature = "test_hooks")]
+pub use fragment::LightsByFragments;
 // For tests and benches.
 pub(crate) use features::{LightingKey, SceneFeatures, SceneLights};
 use forward::ForwardLightPlugin;
@@ -200,5 +205,7 @@ impl Plugin for LightingPlugin {
                     .in_set(Core3dSystems::MainPass)
                     .before(main_opaque_pass_3d),
             );
+        #[cfg(feature = "test_hooks")]
+        fragment::add_to(app);
     }
 }

@@ -14,11 +14,17 @@ use crate::{
     gbuffer::GBufferTextures, gpu::timed::timed, shader_library::tiles, view::ActiveLeanView,
 };
 
+/// Views that the dispatch lights.
+#[cfg(not(feature = "test_hooks"))]
+type Dispatched = ();
+#[cfg(feature = "test_hooks")]
+type Dispatched = Without<super::fragment::FragmentLighting>;
+
 /// Lights the G-buffer of a view into its main texture.
 pub(crate) fn lighting_pass(
     view: ViewQuery<
         (&ViewLighting, &ViewTarget, Option<&SubsurfaceLight>),
-        (With<ActiveLeanView>, With<GBufferTextures>),
+        (With<ActiveLeanView>, With<GBufferTextures>, Dispatched),
     >,
     pipeline_cache: Res<PipelineCache>,
     mut ctx: RenderContext,

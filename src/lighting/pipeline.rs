@@ -32,7 +32,7 @@ use crate::gpu::{
 /// Lighting pipelines by key, created by `init_lighting_pipelines`.
 #[derive(Resource)]
 pub(crate) struct LightingPipelines {
-    mesh_pipeline: MeshPipeline,
+    pub(super) mesh_pipeline: MeshPipeline,
     shader: Handle<Shader>,
     by_key: HashMap<LightingKey, (CachedComputePipelineId, LightingLayouts)>,
     /// The key of the general pipelines of this device, if it can have any.
@@ -208,7 +208,12 @@ impl LightingPipelines {
         self.by_key.get(&key).map(|(_, layouts)| layouts)
     }
 
-    fn shader_defs(&self, key: LightingKey, layouts: &LightingLayouts) -> Vec<ShaderDefVal> {
+    /// The definitions of shaders of the pipeline for `key`.
+    pub(super) fn shader_defs(
+        &self,
+        key: LightingKey,
+        layouts: &LightingLayouts,
+    ) -> Vec<ShaderDefVal> {
         let mut bevys: Vec<ShaderDefVal> = Vec::new();
         for key in bevys_keys(key) {
             for definition in of_mesh_pipeline(&self.mesh_pipeline, key) {

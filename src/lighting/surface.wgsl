@@ -2,7 +2,7 @@
 #define_import_path bevy_lean_deferred::lighting::surface
 
 #import bevy_lean_deferred::gbuffer::layout
-#import bevy_lean_deferred::lighting::bindings::uniforms
+#import bevy_lean_deferred::lighting::bindings::{normal_texture, surface_texture, uniforms}
 #import bevy_lean_deferred::reconstruction::{
     normal::{normal_from_positions, normal_from_slope, straighter_side},
     position::{SMALLEST_DEPTH, ndc_of_fragment, ray_at, view_position},
@@ -14,6 +14,10 @@
     pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_FOG_ENABLED_BIT, pbr_input_new},
 }
 
+#ifdef GBUFFER_VALID_MASK
+#import bevy_lean_deferred::lighting::bindings::valid_mask_texture
+#endif
+
 #ifdef GBUFFER_EMISSIVE
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::lighting::bindings::emissive_texture
@@ -21,6 +25,7 @@
 
 #ifdef GBUFFER_SPECIALIZATION
 #import bevy_lean_deferred::gbuffer::layout::specialization
+#import bevy_lean_deferred::lighting::bindings::specialization_texture
 #import bevy_lean_deferred::shading_models::unlit::unpack_unlit
 #ifdef STANDARD_MATERIAL_CLEARCOAT
 #import bevy_lean_deferred::shading_models::clearcoat
@@ -45,6 +50,36 @@ struct Pixel {
     valid_mask: u32,
     /// 0, a plain surface, if there is no such word.
     specialization_word: u32,
+}
+
+/// Reads the pixel at `place` of the viewport. Outside the viewport it has no geometry.
+fn read_pixel(place: vec2<u32>) -> Pixel {
+    var pixel: Pixel;
+    if any(place >= uniforms.viewport_size) {
+        return pixel;
+    }
+    pixel.position = vec2<i32>(uniforms.viewport_origin + place);
+    pixel.depth = textureLoad(depth_texture, pixel.position, 0);
+    if uniforms.depth_tells_geometry != 0u && pixel.depth == 0.0 {
+        return pixel;
+    }
+    // Elsewhere depth alone does not decide: forward meshes have depth too, and surfaces at `far` have 0.
+    pixel.normal_word = textureLoad(normal_texture, pixel.position, 0).r;
+    pixel.has_geometry = pixel.normal_word != layout::NO_GEOMETRY;
+    // Without geometry the other words are undefined.
+    if !pixel.has_geometry {
+        return pixel;
+    }
+    pixel.surface_word = textureLoad(surface_texture, pixel.position, 0).r;
+#ifdef GBUFFER_VALID_MASK
+    pixel.valid_mask = textureLoad(valid_mask_texture, pixel.position, 0).r;
+#endif
+#ifdef GBUFFER_SPECIALIZATION
+    if (pixel.valid_mask & layout::SPECIALIZATION_VALID) != 0u {
+        pixel.specialization_word = textureLoad(specialization_texture, pixel.position, 0).r;
+    }
+#endif
+    return pixel;
 }
 
 /// True if the emissive target holds light of a lightmap.
