@@ -11,6 +11,8 @@ pub enum Contender {
     ForwardPrepass,
     BevyDeferred,
     Lean,
+    /// Lean, with alpha-masked meshes drawn once.
+    LeanOneDraw,
     LeanOcclusion,
     LeanGi,
     LeanReflections,
@@ -20,11 +22,12 @@ pub enum Contender {
 
 impl Contender {
     /// Forward first: it is the reference of the others.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Forward,
         Self::ForwardPrepass,
         Self::BevyDeferred,
         Self::Lean,
+        Self::LeanOneDraw,
         Self::LeanOcclusion,
         Self::LeanGi,
         Self::LeanReflections,
@@ -46,6 +49,7 @@ impl Contender {
     pub fn name(self) -> &'static str {
         match self {
             Self::ForwardPrepass => "Bevy forward with prepass",
+            Self::LeanOneDraw => "lean without depth of masks",
             Self::LeanOcclusion => "lean with occlusion",
             Self::LeanGi => "lean with GI",
             Self::LeanReflections => "lean with reflections",
@@ -76,7 +80,10 @@ impl Contender {
 
     /// Tells if its picture is to be forward's.
     pub fn is_compared(self) -> bool {
-        matches!(self, Self::ForwardPrepass | Self::BevyDeferred | Self::Lean)
+        matches!(
+            self,
+            Self::ForwardPrepass | Self::BevyDeferred | Self::Lean | Self::LeanOneDraw
+        )
     }
 
     /// Adds the contender's components to `camera`.
@@ -99,7 +106,7 @@ impl Contender {
                 camera.insert(LeanScreenSpaceReflections::default());
             }
             Self::LeanEffects => preset.apply(camera),
-            Self::Forward | Self::BevyDeferred | Self::Lean => {}
+            Self::Forward | Self::BevyDeferred | Self::Lean | Self::LeanOneDraw => {}
         }
     }
 }

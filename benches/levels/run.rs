@@ -8,9 +8,12 @@ use bevy::{
     pbr::DefaultOpaqueRendererMethod,
     prelude::*,
     reflect::structs::Struct,
-    render::diagnostic::RenderDiagnosticsPlugin,
+    render::{RenderApp, diagnostic::RenderDiagnosticsPlugin},
 };
-use bevy_lean_deferred::{gbuffer::GBufferUsage, prelude::*};
+use bevy_lean_deferred::{
+    gbuffer::{GBufferUsage, MaskedPipelines},
+    prelude::*,
+};
 use figures::benches::levels::{ForwardMeshes, Measurement};
 use kit::{
     bench_spans::{CAMERA, add_bench_spans},
@@ -80,6 +83,10 @@ pub fn measure(
             app.insert_resource(DefaultOpaqueRendererMethod::deferred());
         }
         add_bench_spans(app);
+        if contender == Contender::LeanOneDraw {
+            app.sub_app_mut(RenderApp)
+                .insert_resource(MaskedPipelines::off());
+        }
     });
     let loaded = level.spawn(&mut headless)?;
     let camera = spawn_camera(&mut headless, level, contender, extent);
@@ -171,6 +178,8 @@ fn figures(
         lights: loaded.lights,
         lightmapped: loaded.lightmapped,
         geometry: samples.time(geometry),
+        fragments: (samples.fragments(geometry))
+            .map(|count| count / f64::from(extent.size.element_product())),
         lighting: lighting.and_then(|name| samples.time(name)),
         effects: samples.sum_within(EFFECTS),
         blended: samples.time(BLENDED),

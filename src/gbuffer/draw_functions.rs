@@ -15,7 +15,7 @@ use bevy::{
     render::{
         render_phase::{
             DrawFunctionId, DrawFunctions, PhaseItem, RenderCommand, RenderCommandResult,
-            SetItemPipeline, TrackedRenderPass,
+            TrackedRenderPass,
         },
         view::ViewUniformOffset,
     },
@@ -23,6 +23,7 @@ use bevy::{
 
 use super::{
     binding_numbers::pack::VISIBILITY_MASK_GROUP,
+    masked::SetGBufferPipeline,
     phase_item::{
         AlphaMaskGBuffer, ExtendedAlphaMaskGBuffer, ExtendedOpaqueGBuffer, OpaqueGBuffer,
     },
@@ -33,7 +34,7 @@ use crate::{gpu::named::system_param, view::GBufferTargets};
 
 /// Draws meshes that write no visibility mask. `MOTION`: they write their motion.
 pub(super) type DrawPlain<const MOTION: bool> = (
-    SetItemPipeline,
+    SetGBufferPipeline,
     SetView<0, MOTION>,
     SetPrepassViewEmptyBindGroup<1>,
     SetMesh<2, MOTION>,
@@ -43,7 +44,7 @@ pub(super) type DrawPlain<const MOTION: bool> = (
 
 /// The same with the visibility mask of the batch in place of the empty bind group.
 pub(super) type DrawWithVisibilityMask<const MOTION: bool> = (
-    SetItemPipeline,
+    SetGBufferPipeline,
     SetView<0, MOTION>,
     SetVisibilityMask<VISIBILITY_MASK_GROUP>,
     SetMesh<2, MOTION>,

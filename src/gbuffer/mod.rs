@@ -35,6 +35,7 @@
 // - `moving.rs`: meshes that need motion vectors of their own.
 // - `draw_functions.rs`: draws meshes, with or without their previous positions.
 // - `demand.rs`: optional targets that the visible meshes of a view need.
+// - `masked.rs`, `masked_depth.wgsl`: draws the depth of alpha-masked meshes before the rest of them.
 // - `lookup.rs`: the needs of a mesh.
 // - `phase.rs`, `phase_item.rs`: the render phases and their items.
 // - `pipeline.rs`: specializes pipelines.
@@ -64,6 +65,7 @@ mod forward_meshes;
 mod forward_reason;
 mod left_meshes;
 mod lookup;
+mod masked;
 mod material;
 mod mesh_overrides;
 mod moving;
@@ -88,7 +90,7 @@ pub(crate) use self::bevy::forward_draws::{ForwardDraw, ForwardDrawFunctions, Fo
 use self::bevy::{
     batching::add_phase,
     depth_copy::{self, DepthCopySystems},
-    forward_pipelines, lightmaps, phases, pipeline_filter,
+    forward_pipelines, invariant_positions, lightmaps, phases, pipeline_filter,
 };
 pub use crate::view::{GBufferPasses, GBufferTargets, ShadingModel};
 pub(crate) use demand::{ViewDemands, WantedDemand};
@@ -108,6 +110,8 @@ pub use targets::GBufferNeeds;
 pub use textures::{GBufferTextures, ReadsGBuffer};
 pub use usage::GBufferUsage;
 
+#[cfg(feature = "test_hooks")]
+pub use masked::MaskedPipelines;
 // For tests and benches.
 #[doc(hidden)]
 pub use {crate::shader_library::layout, queue::SortedMeshes};
@@ -158,6 +162,8 @@ impl Plugin for GBufferPlugin {
         shading_models::load(app);
         load_shader_library!(app, "pack.wgsl");
         embedded_asset!(app, "gbuffer.wgsl");
+        embedded_asset!(app, "masked_depth.wgsl");
+        invariant_positions::add_to(app);
         embedded_asset!(app, "resolve_motion.wgsl");
 
         add_phase::<OpaqueGBuffer>(app);
@@ -195,6 +201,7 @@ impl Plugin for GBufferPlugin {
             .init_resource::<LeftMeshes>()
             .init_resource::<SortedMeshes>()
             .init_resource::<prewarm::PrewarmedMeshes>()
+            .init_resource::<masked::MaskedPipelines>()
             .init_resource::<specialize::RequestedPipelines>()
             .init_resource::<pipeline_filter::PipelineFilter>()
             .init_resource::<forward_pipelines::WithheldMainPhases>()

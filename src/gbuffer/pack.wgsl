@@ -95,10 +95,18 @@ fn valid_mask(pbr: PbrInput) -> u32 {
 }
 #endif
 
+#ifdef GBUFFER_AT_DEPTH
+/// Factor of the cutoff where depth was drawn before: what depth has kept is kept, whatever either shader rounds.
+const KEPT: f32 = 0.9999;
+#endif
+
 /// Discards fragments by alpha mask and by the crossfade of visibility ranges.
 fn apply_discards(in: VertexOutput, pbr_input: ptr<function, PbrInput>) {
 #ifdef VISIBILITY_RANGE_DITHER
     visibility_range_dither(in.position, in.visibility_range_dither);
+#endif
+#ifdef GBUFFER_AT_DEPTH
+    (*pbr_input).material.alpha_cutoff *= KEPT;
 #endif
     (*pbr_input).material.base_color =
         alpha_discard((*pbr_input).material, (*pbr_input).material.base_color);

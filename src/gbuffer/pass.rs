@@ -18,6 +18,7 @@ use bevy::{
     prelude::*,
     render::{
         camera::ExtractedCamera,
+        diagnostic::RecordDiagnostics,
         render_phase::TrackedRenderPass,
         render_resource::{
             PipelineCache, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
@@ -139,7 +140,7 @@ fn draw(
             if is_first || !opaque.is_empty() || !alpha_masked.is_empty() {
                 passes.draw(ctx, PassTargets::Base, |pass, world| {
                     opaque.render(pass, world, view_entity);
-                    alpha_masked.render(pass, world, view_entity);
+                    alpha_masked.render_depth_first(pass, world, view_entity);
                 });
             }
         } else {
@@ -156,12 +157,12 @@ fn draw(
             if is_first || !extended_opaque.is_empty() || !extended_alpha_masked.is_empty() {
                 passes.draw(ctx, PassTargets::All, |pass, world| {
                     extended_opaque.render(pass, world, view_entity);
-                    extended_alpha_masked.render(pass, world, view_entity);
+                    extended_alpha_masked.render_depth_first(pass, world, view_entity);
                 });
             }
             if !alpha_masked.is_empty() {
                 passes.draw(ctx, PassTargets::ValidMask, |pass, world| {
-                    alpha_masked.render(pass, world, view_entity);
+                    alpha_masked.render_depth_first(pass, world, view_entity);
                 });
             }
         }
@@ -194,11 +195,13 @@ impl Passes<'_> {
     ) {
         let depth = self.first_depth.take();
         let depth = depth.unwrap_or_else(|| self.depth.get_attachment(StoreOp::Store));
-        let label = match targets {
-            PassTargets::Base => "lean_deferred/gbuffer",
-            PassTargets::ValidMask => "lean_deferred/gbuffer/valid_mask",
-            PassTargets::All => "lean_deferred/gbuffer/extended",
+        let (label, span) = match targets {
+            PassTargets::Base => ("lean_deferred/gbuffer", "base"),
+            PassTargets::ValidMask => ("lean_deferred/gbuffer/valid_mask", "valid_mask"),
+            PassTargets::All => ("lean_deferred/gbuffer/extended", "extended"),
         };
+        let diagnostics = ctx.diagnostic_recorder();
+        let diagnostics = diagnostics.as_deref();
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some(label),
             color_attachments: &self.textures.attachments(targets, self.load),
@@ -206,9 +209,12 @@ impl Passes<'_> {
             ..default()
         });
         self.load = self.load.after(targets);
+        // Counts the invocations of vertex and fragment shaders too.
+        let span = diagnostics.pass_span(&mut pass, span);
         if let Some(viewport) = &self.viewport {
             pass.set_camera_viewport(viewport);
         }
         render(&mut pass, self.world);
+        span.end(&mut pass);
     }
 }

@@ -18,6 +18,7 @@ use bevy::{
 
 use super::{
     bevy::queue_rules::is_extracted,
+    masked::MaskedPipelines,
     phase_item::{GBufferBatchSetKey, GBufferItem, QueuedMesh},
 };
 use crate::{gpu::named::system_param, view::LeanDeferred};
@@ -162,6 +163,19 @@ impl<'a, P: BinnedPhaseItem + CachedRenderPipelinePhaseItem> DrawnPhase<'a, P> {
         {
             error_once!("drawing {}: {error:?}", core::any::type_name::<P>());
         }
+    }
+}
+
+impl<const EXTENDED: bool> DrawnPhase<'_, GBufferItem<true, EXTENDED>> {
+    /// As [`render`](Self::render), after the depth of those that are drawn in two parts.
+    pub(super) fn render_depth_first<'w>(
+        &self,
+        pass: &mut TrackedRenderPass<'w>,
+        world: &'w World,
+        view: Entity,
+    ) {
+        let pipelines = world.resource::<MaskedPipelines>();
+        pipelines.render(|| self.render(pass, world, view));
     }
 }
 

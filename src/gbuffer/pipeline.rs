@@ -14,7 +14,8 @@ use bevy::{
 
 use super::{
     bevy::texture_defs::material_texture_defs, binding_numbers::pack::VISIBILITY_MASK_GROUP,
-    placement::MeshOutput, registration::VertexStage, visibility_masks::visibility_mask_layout,
+    masked::DrawnPart, placement::MeshOutput, registration::VertexStage,
+    visibility_masks::visibility_mask_layout,
 };
 use crate::view::GBufferTargets;
 
@@ -29,15 +30,20 @@ pub(super) struct GBufferPipelineSpecializer {
 }
 
 /// The key of [`GBufferPipelineSpecializer`]: the material's key, the shader (pipelines of different material types
-/// share one cache), and the targets.
-pub(super) type GBufferPipelineKey = (ErasedMaterialPipelineKey, AssetId<Shader>, MeshOutput);
+/// share one cache), the targets, and the part that is drawn.
+pub(super) type GBufferPipelineKey = (
+    ErasedMaterialPipelineKey,
+    AssetId<Shader>,
+    MeshOutput,
+    DrawnPart,
+);
 
 impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
     type Key = GBufferPipelineKey;
 
     fn specialize(
         &self,
-        (key, _, output): Self::Key,
+        (key, _, output, part): Self::Key,
         layout: &MeshVertexBufferLayoutRef,
     ) -> Result<RenderPipelineDescriptor, SpecializedMeshPipelineError> {
         let prepass = PrepassPipelineSpecializer {
@@ -73,6 +79,7 @@ impl SpecializedMeshPipeline for GBufferPipelineSpecializer {
                 fragment.shader_defs.extend(material_texture_defs());
             }
         }
+        part.change(&mut descriptor);
         Ok(descriptor)
     }
 }

@@ -183,6 +183,8 @@ pub(crate) struct GBufferMaterials {
 /// Shaders that draw a material type into the G-buffer.
 pub(crate) struct MaterialShaders {
     pub(super) fragment: Handle<Shader>,
+    /// The shader that draws depth alone, if the other one is that of `StandardMaterial`.
+    pub(super) masked_depth: Option<Handle<Shader>>,
     /// Replaces the vertex shader of the material.
     pub(super) vertex: Option<Arc<VertexStage<Handle<Shader>>>>,
 }
@@ -200,9 +202,12 @@ impl MaterialShaders {
                 attributes: vertex.attributes.clone(),
             }))
         });
+        let own = load(&refs.fragment);
+        let standard = || load_embedded_asset!(asset_server, "gbuffer.wgsl");
+        let masked_depth = || load_embedded_asset!(asset_server, "masked_depth.wgsl");
         Self {
-            fragment: load(&refs.fragment)
-                .unwrap_or_else(|| load_embedded_asset!(asset_server, "gbuffer.wgsl")),
+            masked_depth: own.is_none().then(masked_depth),
+            fragment: own.unwrap_or_else(standard),
             vertex,
         }
     }

@@ -5,8 +5,14 @@ use core::hash::BuildHasher;
 use alloc::sync::Arc;
 
 use bevy::{
-    material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
-    pbr::{MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags, alpha_mode_pipeline_key},
+    material::{
+        RenderPhaseType,
+        key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey},
+    },
+    pbr::{
+        DeferredVertexShader, MeshPipelineKey, PrepassPipeline, RenderMeshInstanceFlags,
+        alpha_mode_pipeline_key,
+    },
     platform::{
         collections::{HashMap, HashSet},
         hash::FixedHasher,
@@ -22,6 +28,7 @@ use bevy::{
 
 use super::{
     lookup::{MeshKind, MeshLookup, MeshToQueue, RECENT_KINDS},
+    masked::{DrawnPart, MaskedPipelines},
     pipeline::{GBufferPipelineKey, GBufferPipelineSpecializer},
     placement::MeshOutput,
     registration::MaterialShaders,
@@ -47,6 +54,7 @@ system_param! {
         /// The last of these for each recent mesh kind.
         recent: Local<'s, Vec<Option<(PipelineQuery, GBufferPipeline)>>>,
         requested: ResMut<'w, RequestedPipelines>,
+        masked: ResMut<'w, MaskedPipelines>,
         watch: Res<'w, PipelineWatch>,
         /// Errors that have been logged; each is logged once.
         reported: Local<'s, HashSet<String>>,
@@ -120,6 +128,7 @@ impl GBufferPipelines<'_, '_> {
         self.requested.withheld.clear();
         if self.are_of_another_device() {
             self.requested.all.clear();
+            self.masked.clear();
         }
         self.start();
     }
@@ -188,7 +197,7 @@ impl GBufferPipelines<'_, '_> {
         if let Some(found) = self.found.get(&query) {
             return *found;
         }
-        let key = pipeline_key(mesh, query.mesh_key, shaders, query.output);
+        let key = self.pipeline_key(mesh, query.mesh_key, shaders, query.output);
         let pipeline = self.specialize(mesh, shaders, key);
         self.found.insert(query, pipeline);
         pipeline
@@ -206,7 +215,7 @@ impl GBufferPipelines<'_, '_> {
     ) -> bool {
         let instance = instance_key(lookup, entity, mesh);
         let mesh_key = mesh_key(mesh, instance, view_key, output);
-        let key = pipeline_key(mesh, mesh_key, shaders, output);
+        let key = self.pipeline_key(mesh, mesh_key, shaders, output);
         (self.requested.all).contains(&FixedHasher.hash_one((&mesh.mesh.layout, key)))
     }
 
@@ -225,13 +234,28 @@ impl GBufferPipelines<'_, '_> {
         if !self.requested.admit(hash, &self.watch) {
             return GBufferPipeline::Pending(None);
         }
-        let specializer = GBufferPipelineSpecializer {
+        let mut specializer = GBufferPipelineSpecializer {
             pipeline,
             properties: mesh.material.properties.clone(),
             fragment_shader: shaders.fragment.clone(),
             vertex: shaders.vertex.clone(),
         };
-        match (self.specialized).specialize(&self.cache, &specializer, key, layout) {
+        let depth_shader = (shaders.masked_depth.as_ref()).filter(|_| key.3 == DrawnPart::AtDepth);
+        let depth = depth_shader.map(|shader| {
+            let key = (key.0.clone(), shader.id(), key.2, DrawnPart::Depth);
+            (key, shader.clone())
+        });
+        let mut specialized = (self.specialized).specialize(&self.cache, &specializer, key, layout);
+        if let (Some((key, shader)), Ok(targets)) = (depth, &specialized) {
+            let targets = *targets;
+            specializer.fragment_shader = shader;
+            let depth = (self.specialized).specialize(&self.cache, &specializer, key, layout);
+            specialized = depth.map(|depth| {
+                self.masked.insert(targets, depth);
+                targets
+            });
+        }
+        match specialized {
             Ok(id) => {
                 // If Bevy compiles within the frame, it does so now: otherwise forward would draw the mesh in this frame,
                 // by a pipeline that has to be compiled too.
@@ -250,13 +274,43 @@ impl GBufferPipelines<'_, '_> {
         }
     }
 
+    fn pipeline_key(
+        &self,
+        mesh: &MeshKind,
+        mesh_key: MeshPipelineKey,
+        shaders: &MaterialShaders,
+        output: MeshOutput,
+    ) -> GBufferPipelineKey {
+        let properties = &mesh.material.properties;
+        let is_bevys_vertex_stage =
+            shaders.vertex.is_none() && properties.get_shader(DeferredVertexShader).is_none();
+        let is_masked = matches!(properties.render_phase_type, RenderPhaseType::AlphaMask);
+        let depth_first = is_masked
+            && self.masked.are_in_use()
+            && shaders.masked_depth.is_some()
+            && is_bevys_vertex_stage;
+        let part = if depth_first {
+            DrawnPart::AtDepth
+        } else {
+            DrawnPart::Whole
+        };
+        let key = material_pipeline_key(mesh, mesh_key);
+        (key, shaders.fragment.id(), output, part)
+    }
+
+    /// State of the pipeline, and of the one that draws depth before it.
     pub(super) fn state(&self, id: CachedRenderPipelineId) -> GBufferPipeline {
-        match self.cache.get_render_pipeline_state(id) {
-            CachedPipelineState::Ok(_) => GBufferPipeline::Ready(id),
-            // Bevy has logged the error, and compiles again when a shader changes.
-            state if is_settled(state) => GBufferPipeline::Failed(Some(id)),
-            _ => GBufferPipeline::Pending(Some(id)),
+        let all = core::iter::once(id).chain(self.masked.depth(id));
+        let mut state = GBufferPipeline::Ready(id);
+        for part in all {
+            match self.cache.get_render_pipeline_state(part) {
+                CachedPipelineState::Ok(_) => {}
+                // Bevy has logged the error, and compiles again when a shader changes.
+                part if is_settled(part) => return GBufferPipeline::Failed(Some(id)),
+                _ => state = GBufferPipeline::Pending(Some(id)),
+            }
         }
+        state
     }
 }
 
@@ -274,16 +328,6 @@ fn query(
         fragment_shader: shaders.fragment.id(),
         output,
     }
-}
-
-fn pipeline_key(
-    mesh: &MeshKind,
-    mesh_key: MeshPipelineKey,
-    shaders: &MaterialShaders,
-    output: MeshOutput,
-) -> GBufferPipelineKey {
-    let key = material_pipeline_key(mesh, mesh_key);
-    (key, shaders.fragment.id(), output)
 }
 
 /// Bevy's key of a pipeline for meshes of this material.

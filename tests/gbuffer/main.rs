@@ -5,6 +5,7 @@
 mod bevys_pipelines;
 mod forward_reasons;
 mod geometry;
+mod masked_depth;
 mod motion_vectors;
 mod occlusion_culling;
 mod optional_targets;

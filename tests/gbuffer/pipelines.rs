@@ -66,7 +66,11 @@ impl Stage {
         let pipelines = world.resource::<PipelineCache>().pipelines();
         let of_meshes = pipelines.filter(|pipeline| match &pipeline.descriptor {
             PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
-                descriptor.label.as_deref() == Some("lean_deferred/gbuffer")
+                let label = descriptor.label.as_deref();
+                matches!(
+                    label,
+                    Some("lean_deferred/gbuffer" | "lean_deferred/gbuffer/masked_depth")
+                )
             }
             PipelineDescriptor::ComputePipelineDescriptor(_) => false,
         });
@@ -119,7 +123,7 @@ fn a_material_has_few_pipelines() {
     in_own_process(|| {
         let mut stage = stage();
         let (camera, cube, light) = (stage.camera, stage.cube, stage.light);
-        let count = stage.expect(0, 2, "plain and masked");
+        let count = stage.expect(0, 3, "plain, and depth and surface of masked");
 
         stage.project(OrthographicProjection::default_3d());
         let count = stage.expect(count, 0, "an orthographic camera");
@@ -131,7 +135,11 @@ fn a_material_has_few_pipelines() {
         let count = stage.expect(count, 0, "motion vectors, and none again");
 
         stage.show_lamp(Visibility::Visible);
-        let count = stage.expect(count, 2, "emissive, and masked that clears the valid mask");
+        let count = stage.expect(
+            count,
+            3,
+            "emissive, and both of masked that clears the valid mask",
+        );
         stage.show_lamp(Visibility::Hidden);
         stage.headless.frames(LINGERING);
         stage.show_lamp(Visibility::Visible);

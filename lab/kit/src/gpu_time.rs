@@ -13,6 +13,8 @@ use crate::headless::Headless;
 /// GPU times by span name.
 pub struct Samples {
     times: HashMap<String, Vec<f64>>,
+    /// Invocations of fragment shaders, by the whole path of the span, in the last frame.
+    fragments: HashMap<String, f64>,
     /// Start of recording. Older measurements are skipped: spans that are no longer opened keep their last value.
     began: Instant,
 }
@@ -21,6 +23,7 @@ impl Default for Samples {
     fn default() -> Self {
         Self {
             times: HashMap::default(),
+            fragments: HashMap::default(),
             began: Instant::now(),
         }
     }
@@ -41,11 +44,16 @@ impl Samples {
     /// Records the newest value of each span.
     pub fn take(&mut self, store: &DiagnosticsStore) {
         for diagnostic in store.iter() {
-            let Some(name) = diagnostic.path().as_str().strip_suffix("/elapsed_gpu") else {
+            let path = diagnostic.path().as_str();
+            let measured = diagnostic.measurement();
+            let measured = measured.filter(|measured| measured.time > self.began);
+            let Some(measured) = measured else {
                 continue;
             };
-            let measured = diagnostic.measurement();
-            if let Some(measured) = measured.filter(|measured| measured.time > self.began) {
+            if let Some(name) = path.strip_suffix("/fragment_shader_invocations") {
+                self.fragments.insert(name.to_owned(), measured.value);
+            }
+            if let Some(name) = path.strip_suffix("/elapsed_gpu") {
                 let name = name.trim_start_matches("render/");
                 let name = name.strip_prefix("bench/camera/").unwrap_or(name);
                 let name = name.strip_prefix("bench/prepass/").unwrap_or(name);
@@ -78,6 +86,15 @@ impl Samples {
             };
             name.starts_with(prefix) && !self.times.keys().any(is_outer)
         })
+    }
+
+    /// Invocations of fragment shaders in passes within the span `name`; none if the device does not count them.
+    pub fn fragments(&self, name: &str) -> Option<f64> {
+        let within = self
+            .fragments
+            .iter()
+            .filter(|(path, _)| path.contains(name));
+        within.map(|(_, count)| *count).reduce(|a, b| a + b)
     }
 
     pub fn time(&self, name: &str) -> Option<Time> {

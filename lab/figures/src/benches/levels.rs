@@ -37,6 +37,9 @@ pub struct Measurement {
     pub lightmapped: usize,
     /// Rasterising: the G-buffer, or forward's opaque pass with its lighting.
     pub geometry: Option<Time>,
+    /// Invocations of fragment shaders in `geometry`, per pixel of the picture; `None` where the device does not count them.
+    #[serde(default)]
+    pub fragments: Option<f64>,
     pub lighting: Option<Time>,
     /// All passes of effects.
     pub effects: Option<Time>,
