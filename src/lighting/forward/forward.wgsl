@@ -5,7 +5,11 @@
     forward_io::{FragmentOutput, VertexOutput},
     pbr_fragment::pbr_input_from_standard_material,
     pbr_functions::{alpha_discard, main_pass_post_lighting_processing},
-    pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT,
+    pbr_types::{
+        STANDARD_MATERIAL_FLAGS_ALPHA_MODE_BLEND,
+        STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS,
+        STANDARD_MATERIAL_FLAGS_UNLIT_BIT,
+    },
 }
 
 #ifdef LIGHT_LAYERS
@@ -28,6 +32,11 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr.material.base_color = alpha_discard(pbr.material, pbr.material.base_color);
     apply_decals(&pbr);
     var out: FragmentOutput;
+    // Its light is multiplied by 0. Textures of clouds, leaves and particles have many such texels.
+    let alpha_mode = pbr.material.flags & STANDARD_MATERIAL_FLAGS_ALPHA_MODE_RESERVED_BITS;
+    if alpha_mode == STANDARD_MATERIAL_FLAGS_ALPHA_MODE_BLEND && pbr.material.base_color.a <= 0.0 {
+        return out;
+    }
     if (pbr.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u {
         out.color = apply_lean_lighting(pbr);
     } else {
