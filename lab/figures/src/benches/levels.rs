@@ -123,15 +123,10 @@ impl Levels {
         )
     }
 
-    fn reference(&self, of: &Measurement) -> Option<&Measurement> {
-        let is_reference = |m: &&Measurement| m.place() == of.place() && m.contender == REFERENCE;
-        self.0.iter().find(is_reference)
-    }
-
     /// GPU times as medians, bytes and errors.
     pub fn table(&self) -> Table {
         let row = |m: &Measurement| {
-            let camera = m.camera.zip(self.reference(m).and_then(|m| m.camera));
+            let camera = m.camera.zip(self.at(m, REFERENCE).and_then(|m| m.camera));
             let ratio = camera.map(|(own, forward)| own.median / forward.median);
             let times = [m.geometry, m.lighting, m.effects, m.blended, m.camera];
             let mut row = m.row_head();
@@ -160,10 +155,7 @@ impl Levels {
             "drawn forward",
         ];
         let row = |m: &Measurement| {
-            let of_bevy = |other: &&Measurement| {
-                other.place() == m.place() && other.contender == "Bevy deferred"
-            };
-            let bevy = self.0.iter().find(of_bevy);
+            let bevy = self.at(m, "Bevy deferred");
             let forward = m.forward.iter();
             let forward: Vec<String> = forward
                 .map(|forward| format!("{} {}", forward.meshes, forward.reason))
@@ -181,6 +173,90 @@ impl Levels {
         };
         let lean = self.0.iter().filter(|m| m.contender == "lean");
         Table::new(&columns, lean.map(row))
+    }
+
+    /// Times of the whole camera by renderer, a row per view.
+    pub fn cameras(&self, size: [u32; 2]) -> Table {
+        let columns = [
+            "level",
+            "view",
+            "lights",
+            "Bevy forward",
+            "with depth prepass",
+            "Bevy deferred",
+            "lean",
+            "× forward",
+            "with effects",
+            "bytes",
+            "Bevy deferred, dB",
+            "lean, dB",
+        ];
+        let row = |m: &Measurement| {
+            let other = |contender: &str| self.at(m, contender);
+            let time = |of: Option<&Measurement>| of.and_then(|m| m.camera).map(|t| t.median);
+            let forward = time(other(REFERENCE));
+            let ratio = time(Some(m)).zip(forward).map(|(own, theirs)| own / theirs);
+            vec![
+                m.level.clone(),
+                m.view.to_string(),
+                m.lights.to_string(),
+                fixed(forward, 1),
+                fixed(time(other("Bevy forward with prepass")), 1),
+                fixed(time(other("Bevy deferred")), 1),
+                fixed(time(Some(m)), 1),
+                fixed(ratio, 2),
+                fixed(time(other("lean with effects")), 1),
+                format!("{} / {}", m.bytes_written_by_geometry, m.bytes_in_all),
+                other("Bevy deferred").map_or_else(|| fixed(None, 1), Measurement::psnr_text),
+                m.psnr_text(),
+            ]
+        };
+        let lean = self
+            .0
+            .iter()
+            .filter(|m| m.contender == "lean" && m.size == size);
+        Table::new(&columns, lean.map(row))
+    }
+
+    /// The G-buffer with alpha-masked meshes drawn once, and depth first. Views without any are left out.
+    pub fn masks(&self) -> Table {
+        let columns = [
+            "size",
+            "level",
+            "view",
+            "once: fragments per pixel",
+            "depth first",
+            "once: ms",
+            "depth first",
+            "×",
+        ];
+        let row = |m: &Measurement| {
+            let once = self.at(m, "lean without depth of masks")?;
+            let [width, height] = m.size;
+            let median = |m: &Measurement| m.geometry.map(|time| time.median);
+            let ratio = median(m).zip(median(once)).map(|(own, once)| own / once);
+            let is_masked = m.fragments != once.fragments;
+            is_masked.then(|| {
+                vec![
+                    format!("{width}×{height}"),
+                    m.level.clone(),
+                    m.view.to_string(),
+                    fixed(once.fragments, 2),
+                    fixed(m.fragments, 2),
+                    fixed(median(once), 2),
+                    fixed(median(m), 2),
+                    fixed(ratio, 2),
+                ]
+            })
+        };
+        let lean = self.0.iter().filter(|m| m.contender == "lean");
+        Table::new(&columns, lean.filter_map(row))
+    }
+
+    /// What `contender` had in the place of `m`.
+    fn at(&self, m: &Measurement, contender: &str) -> Option<&Measurement> {
+        let mut all = self.0.iter();
+        all.find(|other| other.place() == m.place() && other.contender == contender)
     }
 
     fn lean(&self) -> impl Iterator<Item = &Measurement> {

@@ -31,6 +31,14 @@ pub fn levels(store: &Store) -> Table {
     store.levels("llvmpipe").views()
 }
 
+pub fn levels_times(store: &Store) -> Table {
+    store.levels("h200").cameras(UHD)
+}
+
+pub fn levels_masks(store: &Store) -> Table {
+    store.levels("h200").masks()
+}
+
 pub fn many_meshes(store: &Store) -> Table {
     store.many_meshes("h200").table(|times| times.render_world)
 }

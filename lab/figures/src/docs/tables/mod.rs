@@ -14,6 +14,8 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("summary", summary::summary),
     ("frame times", frames::frame_times),
     ("levels", frames::levels),
+    ("levels times", frames::levels_times),
+    ("levels masks", frames::levels_masks),
     ("many meshes", frames::many_meshes),
     ("stutter", frames::stutter),
     ("light scaling", frames::light_scaling),
