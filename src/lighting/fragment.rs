@@ -22,8 +22,9 @@ use bevy::{
 };
 
 use super::{
-    bindings::{prepare_lighting_bind_groups, update_bind_groups},
+    bindings::update_bind_groups,
     features::LightingKey,
+    forward::prepare_forward_groups,
     inputs::{LightingResources, LitView, LitViewItem},
     layouts::{LightingLayouts, descriptors},
     pipeline::LightingPipelines,
@@ -43,7 +44,7 @@ pub(super) fn add_to(app: &mut App) {
             prepare_fragment_lighting
                 .run_if(resource_exists::<LightsByFragments>)
                 .in_set(RenderSystems::PrepareBindGroups)
-                .after(prepare_lighting_bind_groups),
+                .after(prepare_forward_groups),
         )
         .add_systems(
             Core3d,

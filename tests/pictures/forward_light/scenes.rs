@@ -33,11 +33,12 @@ impl Subject {
 /// Blended meshes, and opaque and alpha-masked ones that the G-buffer does not carry, in fog.
 pub const LIGHTS: Subject = Subject {
     name: "lights",
-    lit: 12,
-    blended: 4,
+    lit: 16,
+    blended: 8,
     build: |s| {
         s.floor();
         glass(s, |_| {});
+        glass(s, invisible);
         glass(s, |m| {
             m.alpha_mode = AlphaMode::Opaque;
             m.specular_tint = Color::srgb(0.2, 1.0, 0.3);
@@ -67,7 +68,7 @@ pub const ENVIRONMENT: Subject = Subject::blended("environment", 8, |s| {
 
 /// Combinations of features, which repeat much of what the others show.
 pub const FURTHER: &[Subject] = &[
-    Subject::blended("modes", 12, |s| {
+    Subject::blended("modes", 16, |s| {
         s.floor();
         for mode in [
             AlphaMode::Add,
@@ -76,6 +77,11 @@ pub const FURTHER: &[Subject] = &[
         ] {
             glass(s, |m| m.alpha_mode = mode);
         }
+        // Its light is not multiplied by alpha.
+        glass(s, |m| {
+            invisible(m);
+            m.alpha_mode = AlphaMode::Premultiplied;
+        });
         lamps(s);
         s.default_camera((indoor(), fog()));
     }),
@@ -108,6 +114,12 @@ fn fog() -> DistanceFog {
         falloff: FogFalloff::Exponential { density: 0.1 },
         ..default()
     }
+}
+
+/// With alpha 0, and light that would show.
+fn invisible(material: &mut StandardMaterial) {
+    material.base_color.set_alpha(0.0);
+    material.emissive = LinearRgba::rgb(0.0, 0.0, 2.0);
 }
 
 /// Meshes of a green glass with a change: three slanted cards and a ball, one of which receives no shadows.
