@@ -65,6 +65,10 @@ fn rect_light_affects_mesh(id: u32) -> bool {
     return affects_mesh(light_layers.rect_lights[id]);
 }
 
+fn reflection_probe_affects_mesh(id: u32) -> bool {
+    return affects_mesh(light_layers.reflection_probes[id]);
+}
+
 /// Layers of the probe that the iterator returned last.
 fn probe_layers(iterator: ptr<function, LightProbeIterator>) -> u32 {
     let index = get_clusterable_object_id((*iterator).current_offset - 1u);

@@ -1,6 +1,7 @@
 // Shades a pixel: light of all kinds of sources and emission, seen through fog.
 #define_import_path bevy_lean_deferred::lighting::shade
 
+#import bevy_lean_deferred::gbuffer::layout::unpack_roughness
 #import bevy_lean_deferred::lighting::parts
 #import bevy_lean_deferred::lighting::surface::{Pixel, is_lit, pbr_input_from_gbuffer}
 #import bevy_pbr::{
@@ -15,7 +16,7 @@
     directional_light::{DirectionalShadows, add_directional_lights},
     emission::emitted_light,
     screen_space_light::{ScreenSpaceLight, screen_space_light},
-    indirect_light::add_indirect_light,
+    indirect_light::{Surroundings, add_indirect_light, surroundings_of},
     lit::Lit,
     shading_point::{NO_CLUSTER, ShadingPoint, set_material, shading_point},
 }
@@ -58,6 +59,7 @@
 #endif
 
 #ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_lean_deferred::gbuffer::layout::light::{LARGEST_HALF, pack_halves, unpack_halves}
 #import bevy_pbr::decal::clustered::apply_decals
 #endif
 
@@ -117,6 +119,25 @@ fn show(shaded: ptr<function, Shaded>, pixel: Pixel, lit: Lit, direct_visibility
     (*shaded).color += vec4(exposure * shown_light(pixel, lit), 0.0);
 }
 
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+/// Packs what decals change besides the normal: colour and metallic, emission and roughness, in half floats.
+fn pack_decaled(pbr: PbrInput) -> vec4<u32> {
+    let color = vec4(pbr.material.base_color.rgb, pbr.material.metallic);
+    let light = vec4(pbr.material.emissive.rgb, pbr.material.perceptual_roughness);
+    return vec4(pack_halves(min(color, vec4(LARGEST_HALF))), pack_halves(min(light, vec4(LARGEST_HALF))));
+}
+
+/// Sets what `pack_decaled` packed.
+fn unpack_decaled(words: vec4<u32>, pbr: ptr<function, PbrInput>) {
+    let color = unpack_halves(words.xy);
+    let light = unpack_halves(words.zw);
+    (*pbr).material.base_color = vec4(color.rgb, 1.0);
+    (*pbr).material.metallic = color.a;
+    (*pbr).material.emissive = vec4(light.rgb, 0.0);
+    (*pbr).material.perceptual_roughness = light.a;
+}
+#endif
+
 /// Shades a pixel. Lights are culled per tile: must be called by all invocations of a tile, also by those whose pixel has no
 /// geometry. `corner` is the tile's first pixel. `member` is the invocation's index in the subgroup, or else in the workgroup.
 fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
@@ -125,6 +146,9 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var cluster = NO_CLUSTER;
     var shaded: Shaded;
     var accumulator: LightAccumulator;
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    var decaled: vec4<u32>;
+#endif
     if pixel.has_geometry {
         var shadows: DirectionalShadows;
 #ifdef LIGHT_LAYERS
@@ -138,6 +162,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         pbr = pbr_input_from_gbuffer(pixel);
 #ifdef CLUSTERED_DECALS_ARE_USABLE
         apply_decals(&pbr);
+        decaled = pack_decaled(pbr);
 #endif
         if is_lit(pixel) {
             let view_z = (view.view_from_world * pbr.world_position).z;
@@ -152,14 +177,23 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     if !pixel.has_geometry {
         return shaded;
     }
-    // Before terms of the surface are live: interpolation takes many registers.
+    // Before terms of the surface are live: interpolation and light probes take many registers.
     var found: ScreenSpaceLight;
+    var around: Surroundings;
     if is_lit(pixel) {
         found = screen_space_light(pixel);
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+        point.perceptual_roughness = unpack_halves(decaled.zw).a;
+#else
+        point.perceptual_roughness = unpack_roughness(pixel.normal_word);
+#endif
+        around = surroundings_of(&point, cluster);
     }
-#ifndef CLUSTERED_DECALS_ARE_USABLE
-    // Unpacked again, so that fewer registers are live in the loops over lights. Decals change the surface.
+    // Unpacked again, so that fewer registers are live in the loops over lights.
     pbr = pbr_input_from_gbuffer(pixel);
+#ifdef CLUSTERED_DECALS_ARE_USABLE
+    unpack_decaled(decaled, &pbr);
+    pbr.N = point.N;
 #endif
     if is_lit(pixel) {
         set_material(&point, pbr.material);
@@ -189,7 +223,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #endif
         var lit: Lit;
         emit(&shaded, pixel, emission(pbr, pixel));
-        add_indirect_light(&point, pbr, cluster, found, &lit);
+        add_indirect_light(&point, pbr, cluster, around, found, &lit);
         show(&shaded, pixel, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
         lit = Lit();

@@ -38,7 +38,8 @@ fn unpack_rim_exponent(arguments: u32) -> f32 {
 }
 
 #ifdef ENVIRONMENT_MAP
-#import bevy_pbr::{environment_map::compute_radiances, lighting::LayerLightingInput}
+#import bevy_lean_deferred::lighting::lights::environment::radiances_of
+#import bevy_pbr::lighting::LayerLightingInput
 #endif
 
 #ifdef IRRADIANCE_VOLUME
@@ -80,7 +81,7 @@ fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<
 #ifdef ENVIRONMENT_MAP
     // At full roughness, the radiance that is sampled with the irradiance is cheap.
     let input = LayerLightingInput(direction, direction, 1.0, 1.0, 1.0);
-    light += compute_radiances(input, &ranges, in.world_position.xyz, found_diffuse).irradiance;
+    light += radiances_of(input, &ranges, in.world_position.xyz, found_diffuse).irradiance;
 #endif
     return light;
 }

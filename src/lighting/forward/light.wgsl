@@ -10,7 +10,7 @@
     clustered_lights::add_clustered_lights,
     directional_light::{DirectionalShadows, add_directional_lights},
     emission::emitted_light,
-    indirect_light::add_indirect_light,
+    indirect_light::{add_indirect_light, surroundings_of},
     lit::Lit,
     screen_space_light::no_screen_space_light,
     shading_point::shading_point,
@@ -63,7 +63,8 @@ fn apply_lean_lighting_with_reflection(pbr: PbrInput, reflected: vec4<f32>) -> v
     found.radiance = reflected.rgb / view.exposure;
     found.confidence = saturate(reflected.a);
 #endif
-    add_indirect_light(&point, pbr, cluster, found, &lit);
+    let around = surroundings_of(&point, cluster);
+    add_indirect_light(&point, pbr, cluster, around, found, &lit);
 #ifdef AREA_LIGHT_LUTS
     add_rect_lights(&point, &lit);
 #endif

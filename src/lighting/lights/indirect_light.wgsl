@@ -5,7 +5,7 @@
 
 #import bevy_lean_deferred::lighting::lights::screen_space_light::ScreenSpaceLight
 #import bevy_lean_deferred::lighting::lights::lit::Lit
-#import bevy_lean_deferred::lighting::lights::shading_point::ShadingPoint
+#import bevy_lean_deferred::lighting::lights::shading_point::{ShadingPoint, view_cosine}
 #import bevy_lean_deferred::lighting::parts
 #import bevy_pbr::{
     clustered_forward::{ClusterableObjectIndexRanges, unpack_clusterable_object_index_ranges},
@@ -15,10 +15,8 @@
 }
 
 #ifdef ENVIRONMENT_MAP
-#import bevy_pbr::{
-    environment_map::compute_radiances,
-    lighting::LayerLightingInput,
-}
+#import bevy_lean_deferred::lighting::lights::environment::radiances_of
+#import bevy_pbr::lighting::LayerLightingInput
 #endif
 
 #ifdef IRRADIANCE_VOLUME
@@ -38,11 +36,52 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
+/// Light of environment maps.
+struct Surroundings {
+    /// Mean radiance around the normal, 0 where other light replaces it.
+    irradiance: vec3<f32>,
+    /// Radiance from about the mirrored direction.
+    radiance: vec3<f32>,
+}
+
+/// Light of environment maps at `point`, of which it reads positions, directions and both roughnesses. `cluster` is the pixel's.
+fn surroundings_of(point: ptr<function, ShadingPoint>, cluster: u32) -> Surroundings {
+    var around: Surroundings;
+#ifdef ENVIRONMENT_MAP
+    if parts::has(parts::ENVIRONMENT_MAP) {
+        var found_diffuse = false;
+#ifdef LIGHTMAPPED_SURFACES
+        found_diffuse = (*point).is_lightmapped;
+#endif
+#ifdef IRRADIANCE_VOLUME
+        found_diffuse = found_diffuse || parts::has(parts::IRRADIANCE_VOLUME);
+#endif
+        let mirrored = reflect(-(*point).V, (*point).N);
+        var layer = LayerLightingInput(
+            (*point).N, mirrored, view_cosine(point), (*point).perceptual_roughness, (*point).roughness,
+        );
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+        if (*point).is_anisotropic {
+            bend(point, &layer);
+        }
+#endif
+        var ranges = unpack_clusterable_object_index_ranges(cluster);
+        let radiances = radiances_of(layer, &ranges, (*point).position, found_diffuse);
+        if !found_diffuse {
+            around.irradiance = radiances.irradiance;
+        }
+        around.radiance = radiances.radiance;
+    }
+#endif
+    return around;
+}
+
 /// Adds indirect light, occluded by `pbr`. Light in `found` is occluded by the material alone. `cluster` is the pixel's.
 fn add_indirect_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
     cluster: u32,
+    around: Surroundings,
     found: ScreenSpaceLight,
     lit: ptr<function, Lit>,
 ) {
@@ -65,7 +104,7 @@ fn add_indirect_light(
 #endif
 #ifdef ENVIRONMENT_MAP
     if parts::has(parts::ENVIRONMENT_MAP) {
-        add_environment(point, pbr, &ranges, found_diffuse, found.confidence, lit);
+        add_environment(point, pbr, &ranges, around, found.confidence, lit);
     }
 #endif
     // The same for all pixels: most scenes with an environment map have no ambient light.
@@ -213,36 +252,22 @@ fn add_environment(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
     ranges: ptr<function, ClusterableObjectIndexRanges>,
-    found_diffuse: bool,
+    around: Surroundings,
     confidence: f32,
     lit: ptr<function, Lit>,
 ) {
-    let mirrored = reflect(-(*point).V, (*point).N);
-    var layer = LayerLightingInput(
-        (*point).N, mirrored, (*point).NdotV, (*point).perceptual_roughness, (*point).roughness,
-    );
-#ifdef STANDARD_MATERIAL_ANISOTROPY
-    if (*point).is_anisotropic {
-        bend(point, &layer);
-    }
-#endif
-    let radiances = compute_radiances(layer, ranges, (*point).position, found_diffuse);
-    var irradiance = radiances.irradiance;
-    if found_diffuse {
-        irradiance = vec3(0.0);
-    }
     let response = environment_response(point);
-    var diffuse = response.diffuse * irradiance;
-    var specular = response.specular * radiances.radiance;
+    var diffuse = response.diffuse * around.irradiance;
+    var specular = response.specular * around.radiance;
     let visible = vec3(pbr.specular_occlusion);
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
         let fresnel = coat_fresnel(point);
-        layer.N = (*point).N;
-        layer.R = mirrored;
-        layer.perceptual_roughness = (*point).clearcoat_perceptual_roughness;
-        layer.roughness = (*point).clearcoat_roughness;
-        let coat = compute_radiances(layer, ranges, (*point).position, true).radiance;
+        let mirrored = reflect(-(*point).V, (*point).N);
+        let layer = LayerLightingInput(
+            (*point).N, mirrored, (*point).NdotV, (*point).clearcoat_perceptual_roughness, (*point).clearcoat_roughness,
+        );
+        let coat = radiances_of(layer, ranges, (*point).position, true).radiance;
         let passed = 1.0 - fresnel;
         diffuse *= passed;
         specular = specular * (passed * passed) * visible
@@ -266,7 +291,7 @@ fn add_environment(
         is_left_out = (*point).is_lightmapped
             && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
 #endif
-        let light = compute_radiances(back, ranges, (*point).position, is_left_out).irradiance;
+        let light = radiances_of(back, ranges, (*point).position, is_left_out).irradiance;
         (*lit).diffuse += transmitted * light * (*point).transmitted_color;
     }
 #endif
