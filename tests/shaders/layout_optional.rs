@@ -25,7 +25,7 @@ const MODULES: [WgslModule; 16] = [
     stand_in("#define_import_path bevy_pbr::mesh_types"),
     stand_in("#define_import_path bevy_pbr::clustered_forward"),
     stand_in("#define_import_path bevy_pbr::mesh_view_bindings"),
-    stand_in("#define_import_path bevy_pbr::environment_map"),
+    stand_in("#define_import_path bevy_lean_deferred::lighting::lights::environment"),
     stand_in("#define_import_path bevy_pbr::lighting"),
     stand_in("#define_import_path bevy_pbr::irradiance_volume"),
     shipped_wgsl!("shading_models/anisotropy.wgsl"),
