@@ -164,6 +164,28 @@ fn picture(dress: Dress, depth_first: bool) -> (Picture, Headless) {
     (headless.capture(), headless)
 }
 
+/// Compilers may contract products and sums of positions in one pipeline and not in the other, which llvmpipe never does.
+#[test]
+fn positions_of_bevys_vertex_shaders_are_invariant() {
+    in_own_process(|| {
+        let headless = stage(|_| {}, true);
+        let shaders = headless.app.world().resource::<Assets<Shader>>();
+        for name in ["bevy_pbr::prepass_io", "bevy_pbr::forward_io"] {
+            let is_named = |shader: &&Shader| *shader.import_path.module_name() == name;
+            let all = shaders.iter().map(|(_, shader)| shader);
+            let found: Vec<&Shader> = all.filter(is_named).collect();
+            let [shader] = found[..] else {
+                panic!("{} modules are called {name}", found.len());
+            };
+            let text = shader.source.as_str();
+            assert!(
+                text.contains("@invariant @builtin(position) position"),
+                "{name}"
+            );
+        }
+    });
+}
+
 #[test]
 fn depth_first_looks_the_same() {
     in_own_process(|| {
