@@ -23,7 +23,7 @@ use bevy::{
     },
 };
 
-/// What a pipeline draws of its meshes.
+/// The part of its meshes that a pipeline draws.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum DrawnPart {
     /// Depth and targets.
@@ -35,6 +35,7 @@ pub(super) enum DrawnPart {
 }
 
 impl DrawnPart {
+    /// Changes the descriptor of a pipeline that draws all into that of one that draws this part.
     pub(super) fn change(self, descriptor: &mut RenderPipelineDescriptor) {
         if self == Self::Depth {
             descriptor.label = Some("lean_deferred/gbuffer/masked_depth".into());

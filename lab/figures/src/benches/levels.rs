@@ -253,7 +253,7 @@ impl Levels {
         Table::new(&columns, lean.filter_map(row))
     }
 
-    /// What `contender` had in the place of `m`.
+    /// The measurement of `contender` in the place of `m`.
     fn at(&self, m: &Measurement, contender: &str) -> Option<&Measurement> {
         let mut all = self.0.iter();
         all.find(|other| other.place() == m.place() && other.contender == contender)
