@@ -85,21 +85,18 @@ fn add_indirect_light(
     found: ScreenSpaceLight,
     lit: ptr<function, Lit>,
 ) {
-    var found_diffuse = false;
     var is_lightmapped = false;
 #ifdef LIGHTMAPPED_SURFACES
     is_lightmapped = (*point).is_lightmapped;
-    found_diffuse = is_lightmapped;
     if is_lightmapped {
         (*lit).diffuse += pbr.lightmap_light * (*point).diffuse_color;
     }
 #endif
     var ranges = unpack_clusterable_object_index_ranges(cluster);
 #ifdef IRRADIANCE_VOLUME
-    if !found_diffuse && parts::has(parts::IRRADIANCE_VOLUME) {
+    if !is_lightmapped && parts::has(parts::IRRADIANCE_VOLUME) {
         let irradiance = irradiance_volume_light((*point).position, (*point).N, &ranges);
         (*lit).diffuse += irradiance * (*point).diffuse_color * pbr.diffuse_occlusion;
-        found_diffuse = true;
     }
 #endif
 #ifdef ENVIRONMENT_MAP
