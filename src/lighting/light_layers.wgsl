@@ -1,5 +1,5 @@
-// Masks lights, light probes and decals by the layers of each pixel's mesh. Bevy's iterators over probes and decals are
-// overridden to skip masked ones.
+// Masks lights, light probes and decals by the layers of each pixel's mesh. Bevy's iterator over decals is overridden to skip masked
+// ones.
 #define_import_path bevy_lean_deferred::lighting::light_layers
 
 #ifdef FORWARD_MESH
@@ -9,9 +9,6 @@
 #import bevy_lean_deferred::lighting::surface::Pixel
 #endif
 #import bevy_lean_deferred::lighting::parts
-#import bevy_pbr::clustered_forward::get_clusterable_object_id
-#import bevy_pbr::light_probe
-#import bevy_pbr::light_probe::{LightProbeIterator, LightProbeQueryResult}
 
 #ifdef GBUFFER_VISIBILITY_MASK
 #import bevy_lean_deferred::gbuffer::layout::VISIBILITY_MASK_VALID
@@ -19,6 +16,7 @@
 #endif
 
 #ifdef CLUSTERED_DECALS_ARE_USABLE
+#import bevy_pbr::clustered_forward::get_clusterable_object_id
 #import bevy_pbr::decal::clustered
 #import bevy_pbr::decal::clustered::ClusteredDecalIterator
 #endif
@@ -69,24 +67,8 @@ fn reflection_probe_affects_mesh(id: u32) -> bool {
     return affects_mesh(light_layers.reflection_probes[id]);
 }
 
-/// Layers of the probe that the iterator returned last.
-fn probe_layers(iterator: ptr<function, LightProbeIterator>) -> u32 {
-    let index = get_clusterable_object_id((*iterator).current_offset - 1u);
-    if (*iterator).is_irradiance_volume {
-        return light_layers.irradiance_volumes[index];
-    }
-    return light_layers.reflection_probes[index];
-}
-
-override fn light_probe::light_probe_iterator_next(
-    iterator: ptr<function, LightProbeIterator>,
-) -> LightProbeQueryResult {
-    var probe = light_probe::light_probe_iterator_next(iterator);
-    // A negative texture index ends the iteration.
-    while probe.texture_index >= 0 && !affects_mesh(probe_layers(iterator)) {
-        probe = light_probe::light_probe_iterator_next(iterator);
-    }
-    return probe;
+fn irradiance_volume_affects_mesh(id: u32) -> bool {
+    return affects_mesh(light_layers.irradiance_volumes[id]);
 }
 
 #ifdef CLUSTERED_DECALS_ARE_USABLE

@@ -43,7 +43,7 @@
 // - `lights/`: the light of each kind of source.
 // - `lights/emission.wgsl`: emitted light.
 // - `lights/lit.wgsl`: outgoing light, diffuse and specular apart.
-// - `lights/environment.wgsl`: light of environment maps and reflection probes.
+// - `lights/environment.wgsl`, `lights/irradiance_volumes.wgsl`: light of environment maps and light probes.
 // - `lights/shading_point.wgsl`, `lights/brdf.wgsl`: terms and BRDF that all lights share.
 // - `lights/screen_space_light.wgsl`: indirect light that other effects computed.
 // - `lights/reach.wgsl`: culls lights that reach no pixel of a tile.
@@ -146,6 +146,8 @@ impl Plugin for LightingPlugin {
         load_shader_library!(app, "lights/clustered_light.wgsl");
         load_shader_library!(app, "lights/reach.wgsl");
         load_shader_library!(app, "lights/clustered_lights.wgsl");
+        load_shader_library!(app, "lights/light_probe.wgsl");
+        load_shader_library!(app, "lights/irradiance_volumes.wgsl");
         load_shader_library!(app, "lights/environment.wgsl");
         load_shader_library!(app, "lights/indirect_light.wgsl");
         load_shader_library!(app, "lights/screen_space_light.wgsl");

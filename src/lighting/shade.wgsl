@@ -223,7 +223,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
 #endif
         var lit: Lit;
         emit(&shaded, pixel, emission(pbr, pixel));
-        add_indirect_light(&point, pbr, cluster, around, found, &lit);
+        add_indirect_light(&point, pbr, around, found, &lit);
         show(&shaded, pixel, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
         lit = Lit();
@@ -328,7 +328,7 @@ fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
 #ifdef SHADING_MODEL_RIM
     if unpack_shading_model(pixel.specialization_word) == RIM {
         let arguments = unpack_arguments(pixel.specialization_word);
-        light += rim_light(pbr, arguments, has_lightmap(pixel));
+        light += rim_light(pbr, arguments, has_lightmap(pixel), parts::has(parts::IRRADIANCE_VOLUME));
     }
 #endif
     return light;

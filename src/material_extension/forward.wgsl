@@ -34,7 +34,7 @@ fn light(pbr: PbrInput, instance_index: u32) -> vec4<f32> {
 #else
         let is_lightmapped = false;
 #endif
-        color = vec4(color.rgb + rim_light(pbr, extension.arguments, is_lightmapped), color.a);
+        color = vec4(color.rgb + rim_light(pbr, extension.arguments, is_lightmapped, true), color.a);
     }
     return color;
 }

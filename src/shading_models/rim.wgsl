@@ -43,26 +43,27 @@ fn unpack_rim_exponent(arguments: u32) -> f32 {
 #endif
 
 #ifdef IRRADIANCE_VOLUME
-#import bevy_pbr::irradiance_volume::irradiance_volume_light
+#import bevy_lean_deferred::lighting::lights::irradiance_volumes::irradiance_of_volumes
 #endif
 
 /// The dedicated rim term of Mitchell, Francke and Eng 2007, "Illustrative Rendering in Team Fortress 2":
 /// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light along the eye's ray from behind the
 /// surface. Negative products are clamped to 0. Colour and exponent are unpacked from `arguments`. Exposed, like the result of
-/// `apply_pbr_lighting`.
-fn rim_light(in: PbrInput, arguments: u32, is_lightmapped: bool) -> vec3<f32> {
+/// `apply_pbr_lighting`. `has_volumes` is false if the view has no irradiance volumes.
+fn rim_light(in: PbrInput, arguments: u32, is_lightmapped: bool, has_volumes: bool) -> vec3<f32> {
     let color = unpack_rim_color(arguments);
     let exponent = unpack_rim_exponent(arguments);
     // Clamp: shading normals may face away from the viewer.
     let fresnel = pow(1.0 - saturate(dot(in.N, in.V)), exponent);
     let up = saturate(in.N.y);
-    let light = color * (up * fresnel) * in.diffuse_occlusion * light_from(-in.V, in, is_lightmapped);
+    let around = light_from(-in.V, in, is_lightmapped, has_volumes);
+    let light = color * (up * fresnel) * in.diffuse_occlusion * around;
     return view.exposure * light;
 }
 
 /// Mean light from around a direction: ambient light, and either irradiance volumes or environment maps, chosen like Bevy's
 /// diffuse light.
-fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<f32> {
+fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool, has_volumes: bool) -> vec3<f32> {
     let view_z = (view.view_from_world * in.world_position).z;
     let cluster = clustering::view_fragment_cluster_index(in.frag_coord.xy, view_z, in.is_orthographic);
     var ranges = clustering::unpack_clusterable_object_index_ranges(cluster);
@@ -73,8 +74,8 @@ fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool) -> vec3<
         light += lights.ambient_color.rgb;
     }
 #ifdef IRRADIANCE_VOLUME
-    if !found_diffuse {
-        light += irradiance_volume_light(in.world_position.xyz, direction, &ranges);
+    if !found_diffuse && has_volumes {
+        light += irradiance_of_volumes(in.world_position.xyz, direction, &ranges);
         found_diffuse = true;
     }
 #endif

@@ -27,7 +27,7 @@ const MODULES: [WgslModule; 16] = [
     stand_in("#define_import_path bevy_pbr::mesh_view_bindings"),
     stand_in("#define_import_path bevy_lean_deferred::lighting::lights::environment"),
     stand_in("#define_import_path bevy_pbr::lighting"),
-    stand_in("#define_import_path bevy_pbr::irradiance_volume"),
+    stand_in("#define_import_path bevy_lean_deferred::lighting::lights::irradiance_volumes"),
     shipped_wgsl!("shading_models/anisotropy.wgsl"),
     shipped_wgsl!("shading_models/clearcoat.wgsl"),
     shipped_wgsl!("shading_models/diffuse_transmission.wgsl"),

@@ -13,7 +13,7 @@
     indirect_light::{add_indirect_light, surroundings_of},
     lit::Lit,
     screen_space_light::no_screen_space_light,
-    shading_point::shading_point,
+    shading_point::{set_material, shading_point},
 }
 #import bevy_pbr::{
     clustered_forward::view_fragment_cluster_index,
@@ -57,24 +57,29 @@ fn apply_lean_lighting_with_reflection(pbr: PbrInput, reflected: vec4<f32>) -> v
     let view_z = (view.view_from_world * pbr.world_position).z;
     let cluster = view_fragment_cluster_index(pbr.frag_coord.xy, view_z, pbr.is_orthographic);
     var point = shading_point(pbr, view_z);
-    var lit: Lit;
-    var found = no_screen_space_light(pbr.diffuse_occlusion);
-#ifdef FORWARD_REFLECTIONS
-    found.radiance = reflected.rgb / view.exposure;
-    found.confidence = saturate(reflected.a);
-#endif
-    let around = surroundings_of(&point, cluster);
-    add_indirect_light(&point, pbr, cluster, around, found, &lit);
-#ifdef AREA_LIGHT_LUTS
-    add_rect_lights(&point, &lit);
-#endif
     var shadows: DirectionalShadows;
     var accumulator: LightAccumulator;
     add_directional_lights(&point, &shadows, &accumulator);
     // Tiles cull lights of opaque surfaces alone.
     add_clustered_lights(&point, vec2(0u), cluster, 0u, &accumulator);
+    let around = surroundings_of(&point, cluster);
+    // After the loops, so that fewer registers are live in them.
+    set_material(&point, pbr.material);
     let direct = lit_of(&point, accumulator);
-    let light = lit.diffuse + lit.specular + direct.diffuse + direct.specular;
+    var light = direct.diffuse + direct.specular;
+    var found = no_screen_space_light(pbr.diffuse_occlusion);
+#ifdef FORWARD_REFLECTIONS
+    found.radiance = reflected.rgb / view.exposure;
+    found.confidence = saturate(reflected.a);
+#endif
+    var lit: Lit;
+    add_indirect_light(&point, pbr, around, found, &lit);
+    light += lit.diffuse + lit.specular;
+#ifdef AREA_LIGHT_LUTS
+    lit = Lit();
+    add_rect_lights(&point, &lit);
+    light += lit.diffuse + lit.specular;
+#endif
     return vec4(view.exposure * light + emitted_light(pbr), pbr.material.base_color.a);
 }
 #else   // FORWARD_MESH

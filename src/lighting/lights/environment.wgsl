@@ -3,6 +3,7 @@
 
 #ifdef ENVIRONMENT_MAP
 #ifdef MULTIPLE_LIGHT_PROBES_IN_ARRAY
+#import bevy_lean_deferred::lighting::lights::light_probe::weight_in_probe
 #import bevy_pbr::{
     clustered_forward::{ClusterableObjectIndexRanges, get_clusterable_object_id},
     environment_map::{EnvironmentMapRadiances, FLOAT_MAX, quat_rotate, radiance_sample_direction},
@@ -38,9 +39,7 @@ fn radiances_of(
 #endif
         let into_probe = light_probes.reflection_probes[id].light_from_world_transposed;
         let place = vec4(position, 1.0) * into_probe;
-        let falloff = max(light_probes.reflection_probes[id].falloff, vec3(0.0001));
-        let ramps = saturate((1.0 - 2.0 * abs(place)) / (2.0 * falloff));
-        let weight = min(min(ramps.x, ramps.y), ramps.z);
+        let weight = weight_in_probe(place, light_probes.reflection_probes[id].falloff);
         if weight == 0.0 {
             continue;
         }

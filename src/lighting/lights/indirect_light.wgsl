@@ -20,7 +20,7 @@
 #endif
 
 #ifdef IRRADIANCE_VOLUME
-#import bevy_pbr::irradiance_volume::irradiance_volume_light
+#import bevy_lean_deferred::lighting::lights::irradiance_volumes::irradiance_of_volumes
 #endif
 
 #ifdef STANDARD_MATERIAL_ANISOTROPY
@@ -36,51 +36,95 @@
 #import bevy_lean_deferred::lighting::lights::shading_point::transmits
 #endif
 
-/// Light of environment maps.
+/// Light of light probes and environment maps.
 struct Surroundings {
-    /// Mean radiance around the normal, 0 where other light replaces it.
+    /// Mean radiance around the normal: of irradiance volumes, or else of environment maps. 0 where a lightmap has it.
     irradiance: vec3<f32>,
     /// Radiance from about the mirrored direction.
     radiance: vec3<f32>,
+    // Light that only one shading model needs: radiance in the coat's mirror, or mean radiance at the back.
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    of_model: vec3<f32>,
+#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    of_model: vec3<f32>,
+#endif
 }
 
-/// Light of environment maps at `point`, of which it reads positions, directions and both roughnesses. `cluster` is the pixel's.
+/// Light of light probes and environment maps at `point`, of which it reads positions, directions, both roughnesses and the shading
+/// model. `cluster` is the pixel's.
 fn surroundings_of(point: ptr<function, ShadingPoint>, cluster: u32) -> Surroundings {
     var around: Surroundings;
-#ifdef ENVIRONMENT_MAP
-    if parts::has(parts::ENVIRONMENT_MAP) {
-        var found_diffuse = false;
+    var ranges = unpack_clusterable_object_index_ranges(cluster);
+    var found_diffuse = false;
 #ifdef LIGHTMAPPED_SURFACES
-        found_diffuse = (*point).is_lightmapped;
+    found_diffuse = (*point).is_lightmapped;
 #endif
 #ifdef IRRADIANCE_VOLUME
-        found_diffuse = found_diffuse || parts::has(parts::IRRADIANCE_VOLUME);
+    if !found_diffuse && parts::has(parts::IRRADIANCE_VOLUME) {
+        around.irradiance = irradiance_of_volumes((*point).position, (*point).N, &ranges);
+        found_diffuse = true;
+    }
 #endif
-        let mirrored = reflect(-(*point).V, (*point).N);
-        var layer = LayerLightingInput(
-            (*point).N, mirrored, view_cosine(point), (*point).perceptual_roughness, (*point).roughness,
-        );
-#ifdef STANDARD_MATERIAL_ANISOTROPY
-        if (*point).is_anisotropic {
-            bend(point, &layer);
-        }
-#endif
-        var ranges = unpack_clusterable_object_index_ranges(cluster);
-        let radiances = radiances_of(layer, &ranges, (*point).position, found_diffuse);
-        if !found_diffuse {
-            around.irradiance = radiances.irradiance;
-        }
-        around.radiance = radiances.radiance;
+#ifdef ENVIRONMENT_MAP
+    if parts::has(parts::ENVIRONMENT_MAP) {
+        add_environment_maps(point, &ranges, found_diffuse, &around);
     }
 #endif
     return around;
 }
 
-/// Adds indirect light, occluded by `pbr`. Light in `found` is occluded by the material alone. `cluster` is the pixel's.
+#ifdef ENVIRONMENT_MAP
+fn add_environment_maps(
+    point: ptr<function, ShadingPoint>,
+    ranges: ptr<function, ClusterableObjectIndexRanges>,
+    found_diffuse: bool,
+    around: ptr<function, Surroundings>,
+) {
+    let mirrored = reflect(-(*point).V, (*point).N);
+    var layer = LayerLightingInput(
+        (*point).N, mirrored, view_cosine(point), (*point).perceptual_roughness, (*point).roughness,
+    );
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+    if (*point).is_anisotropic {
+        bend(point, &layer);
+    }
+#endif
+    let radiances = radiances_of(layer, ranges, (*point).position, found_diffuse);
+    if !found_diffuse {
+        (*around).irradiance = radiances.irradiance;
+    }
+    (*around).radiance = radiances.radiance;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    if (*point).clearcoat > 0.0 {
+        let coat = LayerLightingInput(
+            (*point).N,
+            mirrored,
+            view_cosine(point),
+            (*point).clearcoat_perceptual_roughness,
+            (*point).clearcoat_roughness,
+        );
+        (*around).of_model = radiances_of(coat, ranges, (*point).position, true).radiance;
+    }
+#endif
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+    if transmits(point) {
+        let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
+        var is_left_out = false;
+#ifdef LIGHTMAPPED_SURFACES
+        // Bevy asks each probe whether it affects lightmapped surfaces; here the view's map decides for all of them.
+        is_left_out = (*point).is_lightmapped
+            && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
+#endif
+        (*around).of_model = radiances_of(back, ranges, (*point).position, is_left_out).irradiance;
+    }
+#endif
+}
+#endif
+
+/// Adds indirect light, occluded by `pbr`. Light in `found` is occluded by the material alone.
 fn add_indirect_light(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
-    cluster: u32,
     around: Surroundings,
     found: ScreenSpaceLight,
     lit: ptr<function, Lit>,
@@ -92,16 +136,16 @@ fn add_indirect_light(
         (*lit).diffuse += pbr.lightmap_light * (*point).diffuse_color;
     }
 #endif
-    var ranges = unpack_clusterable_object_index_ranges(cluster);
+    var of_maps = around;
 #ifdef IRRADIANCE_VOLUME
-    if !is_lightmapped && parts::has(parts::IRRADIANCE_VOLUME) {
-        let irradiance = irradiance_volume_light((*point).position, (*point).N, &ranges);
-        (*lit).diffuse += irradiance * (*point).diffuse_color * pbr.diffuse_occlusion;
+    if parts::has(parts::IRRADIANCE_VOLUME) {
+        (*lit).diffuse += around.irradiance * (*point).diffuse_color * pbr.diffuse_occlusion;
+        of_maps.irradiance = vec3(0.0);
     }
 #endif
 #ifdef ENVIRONMENT_MAP
     if parts::has(parts::ENVIRONMENT_MAP) {
-        add_environment(point, pbr, &ranges, around, found.confidence, lit);
+        add_environment(point, pbr, of_maps, found.confidence, lit);
     }
 #endif
     // The same for all pixels: most scenes with an environment map have no ambient light.
@@ -248,7 +292,6 @@ fn add_screen_space_light(
 fn add_environment(
     point: ptr<function, ShadingPoint>,
     pbr: PbrInput,
-    ranges: ptr<function, ClusterableObjectIndexRanges>,
     around: Surroundings,
     confidence: f32,
     lit: ptr<function, Lit>,
@@ -260,15 +303,10 @@ fn add_environment(
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
         let fresnel = coat_fresnel(point);
-        let mirrored = reflect(-(*point).V, (*point).N);
-        let layer = LayerLightingInput(
-            (*point).N, mirrored, (*point).NdotV, (*point).clearcoat_perceptual_roughness, (*point).clearcoat_roughness,
-        );
-        let coat = radiances_of(layer, ranges, (*point).position, true).radiance;
         let passed = 1.0 - fresnel;
         diffuse *= passed;
         specular = specular * (passed * passed) * visible
-            + coat * fresnel * unhidden(visible, layer.perceptual_roughness, confidence);
+            + around.of_model * fresnel * unhidden(visible, (*point).clearcoat_perceptual_roughness, confidence);
     } else {
         specular *= unhidden(visible, (*point).perceptual_roughness, confidence);
     }
@@ -281,15 +319,7 @@ fn add_environment(
     if transmits(point) {
         // Share that Bevy counts as not reflected there, with a look-up value of 0.1.
         let transmitted = 1.0 - (0.1 + 0.1);
-        let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
-        var is_left_out = false;
-#ifdef LIGHTMAPPED_SURFACES
-        // Bevy asks each probe whether it affects lightmapped surfaces; here the view's map decides for all of them.
-        is_left_out = (*point).is_lightmapped
-            && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
-#endif
-        let light = radiances_of(back, ranges, (*point).position, is_left_out).irradiance;
-        (*lit).diffuse += transmitted * light * (*point).transmitted_color;
+        (*lit).diffuse += transmitted * around.of_model * (*point).transmitted_color;
     }
 #endif
 }

@@ -66,6 +66,13 @@ fn falloff_at(id: u32, position: vec3<f32>, corner: vec3<f32>) -> f32 {
     return getRangeFalloff(dot(to_light, to_light), 1.0 / range_square);
 }
 
+// Of diffuse and specular reflection, and that of the coat.
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+const LOBES: u32 = 3u;
+#else
+const LOBES: u32 = 2u;
+#endif
+
 fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) {
     let count = lights.n_rect_lights;
     if count == 0u {
@@ -74,8 +81,24 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
     let N = (*point).N;
     let V = beside(N, (*point).V);
     let base = lobe((*point).perceptual_roughness, (*point).NdotV);
-    let tint = (*point).F_normal * base.magnitude.x + (1.0 - (*point).F_normal) * base.magnitude.y;
-    for (var id = 0u; id < count; id++) {
+    // Factors of the light in each lobe.
+    var diffuse = (*point).diffuse_color;
+    var specular = (*point).F_normal * base.magnitude.x + (1.0 - (*point).F_normal) * base.magnitude.y;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    var coat: Lobe;
+    var reflected = 0.0;
+    if (*point).clearcoat > 0.0 {
+        coat = lobe((*point).clearcoat_perceptual_roughness, (*point).NdotV);
+        let magnitude = 0.04 * coat.magnitude.x + 0.96 * coat.magnitude.y;
+        let passed = 1.0 - (*point).clearcoat * magnitude;
+        reflected = (*point).clearcoat * magnitude;
+        diffuse *= passed;
+        specular *= passed * passed;
+    }
+#endif
+    // One loop over the lobes of all lights: the integral's code is long and takes many registers.
+    for (var i = 0u; i < LOBES * count; i++) {
+        let id = i / LOBES;
 #ifdef LIGHT_LAYERS
         if !rect_light_affects_mesh(id) {
             continue;
@@ -83,8 +106,9 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
 #endif
         let corners = corners_of(id);
         let color = lights.rect_lights[id].color.rgb;
+        let number = i % LOBES;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-        if transmits(point) {
+        if number == 0u && transmits(point) {
             (*lit).diffuse += color * transmitted_rect_light(point, id, corners);
         }
 #endif
@@ -92,20 +116,29 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
         if falloff == 0.0 {
             continue;
         }
-        var diffuse = (*point).diffuse_color * ltc_integrate_quad(N, V, (*point).position, COSINE, corners);
-        var specular = tint * ltc_integrate_quad(N, V, (*point).position, base.inverse, corners);
+        var inverse = COSINE;
+        if number == 1u {
+            inverse = base.inverse;
+        }
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-        if (*point).clearcoat > 0.0 {
-            let coat = lobe((*point).clearcoat_perceptual_roughness, (*point).NdotV);
-            let magnitude = 0.04 * coat.magnitude.x + 0.96 * coat.magnitude.y;
-            let passed = 1.0 - (*point).clearcoat * magnitude;
-            let reflected = ltc_integrate_quad(N, V, (*point).position, coat.inverse, corners);
-            diffuse *= passed;
-            specular = specular * (passed * passed) + magnitude * reflected * (*point).clearcoat;
+        if number == 2u {
+            if reflected == 0.0 {
+                continue;
+            }
+            inverse = coat.inverse;
         }
 #endif
-        (*lit).diffuse += diffuse * color * falloff;
-        (*lit).specular += specular * color * falloff;
+        let light = color * (falloff * ltc_integrate_quad(N, V, (*point).position, inverse, corners));
+        if number == 0u {
+            (*lit).diffuse += diffuse * light;
+        } else if number == 1u {
+            (*lit).specular += specular * light;
+        }
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+        if number == 2u {
+            (*lit).specular += reflected * light;
+        }
+#endif
     }
 }
 

@@ -35,12 +35,14 @@ struct ShadingPoint {
     N: vec3<f32>,
     /// Direction to the viewer.
     V: vec3<f32>,
-    /// 0.0001 to 1.
-    NdotV: f32,
+    /// N·V before clamping: may be negative, or above 1 by rounding.
+    signed_NdotV: f32,
     /// Square of `perceptual_roughness`, clamped like Bevy's.
     roughness: f32,
-    // Terms that loops over lights do not read: see `set_material`.
     perceptual_roughness: f32,
+    // Terms that loops over lights do not read: see `set_material`.
+    /// N·V, 0.0001 to 1.
+    NdotV: f32,
     metallic: f32,
     F0_dielectric: vec3<f32>,
     F0_metallic: vec3<f32>,
@@ -52,8 +54,6 @@ struct ShadingPoint {
     multiscatter: vec3<f32>,
     /// Light that is scattered again, per light that is reflected at a reflectance of 1.
     scattered_again: f32,
-    /// N·V before clamping: may be negative, or above 1 by rounding.
-    signed_NdotV: f32,
     receives_shadows: bool,
 #ifdef GEOMETRIC_NORMAL
 #ifdef FORWARD_MESH
@@ -118,7 +118,7 @@ fn view_fresnel(point: ptr<function, ShadingPoint>) -> f32 {
     return fifth_power(1.0 - view_cosine(point));
 }
 
-/// The terms that follow from `pbr` alone.
+/// The terms that follow from `pbr` alone, but for those of `set_material`.
 fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     let material = pbr.material;
     var point: ShadingPoint;
@@ -128,7 +128,7 @@ fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     point.V = pbr.V;
     point.signed_NdotV = dot(pbr.N, pbr.V);
     point.roughness = perceptualRoughnessToRoughness(material.perceptual_roughness);
-    set_material(&point, material);
+    point.perceptual_roughness = material.perceptual_roughness;
     point.receives_shadows = (pbr.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     point.clearcoat = material.clearcoat;
@@ -147,7 +147,7 @@ fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
 #endif
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    point.transmits = any(point.transmitted_color != vec3(0.0));
+    point.transmits = any(transmitted_color_of(material) != vec3(0.0));
     point.thickness = material.thickness;
     point.back_receives_shadows = point.receives_shadows
         && (pbr.flags & MESH_FLAGS_TRANSMITTED_SHADOW_RECEIVER_BIT) != 0u;
@@ -155,9 +155,14 @@ fn common_terms(pbr: PbrInput, view_z: f32) -> ShadingPoint {
     return point;
 }
 
+#ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
+fn transmitted_color_of(material: StandardMaterial) -> vec3<f32> {
+    return material.base_color.rgb * (1.0 - material.metallic) * material.diffuse_transmission;
+}
+#endif
+
 /// Sets the terms of the surface that loops over point, spot and directional lights do not read.
 fn set_material(point: ptr<function, ShadingPoint>, material: StandardMaterial) {
-    (*point).perceptual_roughness = material.perceptual_roughness;
     (*point).metallic = material.metallic;
     (*point).F0_dielectric = calculate_F0_dielectric(material.reflectance);
     (*point).F0_metallic = material.base_color.rgb;
@@ -176,8 +181,7 @@ fn set_material(point: ptr<function, ShadingPoint>, material: StandardMaterial) 
     (*point).F_grazing = saturate(dot(F_normal, vec3(50.0 * 0.33)));
     (*point).multiscatter = 1.0 + F_normal * (*point).scattered_again;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    (*point).transmitted_color =
-        material.base_color.rgb * (1.0 - material.metallic) * material.diffuse_transmission;
+    (*point).transmitted_color = transmitted_color_of(material);
 #endif
 }
 
