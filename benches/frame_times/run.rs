@@ -201,6 +201,7 @@ pub fn measure(
         contender: contender.name().into(),
         geometry: samples.time(geometry),
         lighting: lighting.and_then(|name| samples.time(name)),
+        blended: samples.time(bench_spans::BLENDED),
         camera: samples.time(bench_spans::CAMERA),
         bytes_written_by_geometry,
         bytes_in_all,

@@ -12,6 +12,8 @@ use kit::{
     scenes::{
         SceneBuilder,
         boxes::{self, Boxes, LightField},
+        build::default_camera_transform,
+        forward_materials,
     },
 };
 
@@ -25,6 +27,8 @@ enum Kind {
     Boxes(Boxes),
     /// Boxes, some of which are special: one in so many.
     SpecialBoxes(Boxes, Special, usize),
+    /// Three blended cards among solids, under a sun and 64 lamps.
+    Cards,
     Gltf {
         path: String,
     },
@@ -72,10 +76,14 @@ pub fn all(gltf: &str, crowd: Option<&str>) -> Vec<BenchScene> {
         name: "small_targets_all".into(),
         kind: Kind::SpecialBoxes(Boxes::small(32), Special::Everything, 1),
     };
+    let cards = BenchScene {
+        name: "glass_cards".into(),
+        kind: Kind::Cards,
+    };
     boxes
         .into_iter()
         .chain(special)
-        .chain([small])
+        .chain([small, cards])
         .chain(models)
         .chain(crowds)
         .collect()
@@ -90,9 +98,9 @@ impl BenchScene {
         }
     }
 
-    /// Tells if the scene shows the cost of optional targets, rather than comparing renderers.
+    /// Tells if the scene shows the cost of a kind of mesh or light, rather than comparing renderers.
     pub fn is_special(&self) -> bool {
-        matches!(self.kind, Kind::SpecialBoxes(..))
+        matches!(self.kind, Kind::SpecialBoxes(..) | Kind::Cards)
     }
 
     /// Spawns the scene and returns the camera's transform.
@@ -105,7 +113,15 @@ impl BenchScene {
             Kind::SpecialBoxes(boxes, special, every) => {
                 boxes::spawn_into(headless.world(), *boxes);
                 special::make_special(headless.world(), *special, *every);
+                special::spawn_probes(&mut SceneBuilder { headless }, *special);
                 boxes::camera_transform(*boxes)
+            }
+            Kind::Cards => {
+                let mut scene = SceneBuilder { headless };
+                forward_materials::cards(&mut scene, AlphaMode::Blend);
+                scene.sun(true);
+                scene.lamps();
+                default_camera_transform()
             }
             Kind::Gltf { path } => spawn_gltf(headless, path),
             Kind::Crowd { path, point_lights } => spawn_crowd(headless, path, *point_lights),

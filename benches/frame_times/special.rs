@@ -1,9 +1,10 @@
-//! The boxes scene with materials that write the optional targets.
+//! The boxes scene with materials that write the optional targets or are blended, and with light probes.
 
 use bevy::{
     camera::visibility::RenderLayers, core_pipeline::prepass::MotionVectorPrepass,
     light::ClusteredDecal, pbr::Lightmap, prelude::*,
 };
+use kit::scenes::SceneBuilder;
 
 /// The special property of some of the boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,12 @@ pub enum Special {
     Layers,
     /// No box is special, but a decal covers one of them.
     Decal,
+    /// Blended, with half alpha.
+    Glass,
+    /// No box is special, but two reflection probes light them.
+    Probes,
+    /// As `Probes`, and an irradiance volume.
+    Volume,
     /// All materials, motion and layers.
     Everything,
 }
@@ -45,7 +52,7 @@ pub fn move_boxes(mut boxes: Query<&mut Transform, With<Moving>>, mut back: Loca
 }
 
 /// The scenes: name, special property, and the number of boxes per special one.
-pub const SCENES: [(&str, Special, usize); 16] = [
+pub const SCENES: [(&str, Special, usize); 20] = [
     ("targets_none", Special::Nothing, 1),
     ("targets_emissive", Special::Emissive, 1),
     ("targets_emissive_few", Special::Emissive, 16),
@@ -62,6 +69,10 @@ pub const SCENES: [(&str, Special, usize); 16] = [
     ("targets_decal", Special::Decal, 1),
     ("targets_all", Special::Everything, 1),
     ("targets_all_few", Special::Everything, 16),
+    ("glass", Special::Glass, 1),
+    ("glass_few", Special::Glass, 16),
+    ("probes", Special::Probes, 1),
+    ("probes_volume", Special::Volume, 1),
 ];
 
 impl Special {
@@ -86,7 +97,13 @@ impl Special {
 
     fn apply(self, index: usize, material: &mut StandardMaterial) {
         match self {
-            Self::Nothing | Self::Rest | Self::Motion | Self::Layers | Self::Decal => {}
+            Self::Nothing
+            | Self::Rest
+            | Self::Motion
+            | Self::Layers
+            | Self::Decal
+            | Self::Probes
+            | Self::Volume => {}
             Self::Emissive => material.emissive = LinearRgba::rgb(0.1, 0.2, 0.4),
             Self::Reflectance => material.reflectance = 0.9,
             Self::Clearcoat => {
@@ -103,6 +120,10 @@ impl Special {
             }
             Self::Unlit => material.unlit = true,
             Self::Lightmap => material.lightmap_exposure = 1000.0,
+            Self::Glass => {
+                material.alpha_mode = AlphaMode::Blend;
+                material.base_color.set_alpha(0.5);
+            }
             Self::Materials | Self::Everything => {
                 [
                     Self::Emissive,
@@ -115,6 +136,31 @@ impl Special {
                     .apply(index, material);
             }
         }
+    }
+}
+
+/// Spawns the light probes of the property: two reflection probes of which each has a half of the boxes, and the band in the middle both.
+pub fn spawn_probes(scene: &mut SceneBuilder, special: Special) {
+    if !matches!(special, Special::Probes | Special::Volume) {
+        return;
+    }
+    for x in [-10.0, 10.0] {
+        let light = scene.environment_map(400.0);
+        scene.spawn((
+            LightProbe {
+                falloff: Vec3::splat(0.2),
+            },
+            light,
+            Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::new(24.0, 20.0, 60.0)),
+        ));
+    }
+    if special == Special::Volume {
+        let light = scene.irradiance_volume(400.0);
+        scene.spawn((
+            LightProbe::default(),
+            light,
+            Transform::from_scale(Vec3::splat(60.0)),
+        ));
     }
 }
 

@@ -16,7 +16,7 @@ use bevy_lean_deferred::{
 };
 use figures::benches::levels::{ForwardMeshes, Measurement};
 use kit::{
-    bench_spans::{CAMERA, add_bench_spans},
+    bench_spans::{BLENDED, CAMERA, add_bench_spans},
     gpu_time::Samples,
     headless::{Headless, Picture},
     levels::{Level, LoadedLevel, View, evenly_spread},
@@ -25,8 +25,6 @@ use kit::{
 
 use crate::{Extent, contender::Contender};
 
-/// Bevy's span of blended meshes.
-const BLENDED: &str = "main_transparent_pass_3d";
 /// Prefix of the spans of effects.
 const EFFECTS: &str = "lean_deferred/effects/";
 

@@ -27,6 +27,8 @@ pub const PREPASS: &str = "bench/prepass";
 pub const DEFERRED_LIGHTING: &str = "bench/deferred_lighting";
 /// Bevy's forward pass over opaque meshes: rasterisation and lighting in one.
 pub const OPAQUE: &str = "bench/opaque";
+/// Bevy's own span of its pass of blended meshes.
+pub const BLENDED: &str = "main_transparent_pass_3d";
 
 /// Adds the [`CAMERA`] span. Spans of one thread nest, so the schedule runs single-threaded.
 pub fn add_camera_span(app: &mut App) {

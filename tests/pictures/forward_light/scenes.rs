@@ -47,7 +47,7 @@ pub const LIGHTS: Subject = Subject {
             m.alpha_mode = AlphaMode::Mask(0.2);
             m.depth_bias = 5.0;
         });
-        lamps(s);
+        s.lamps();
         moon(s);
         s.default_camera((indoor(), fog()));
     },
@@ -61,7 +61,7 @@ pub const ENVIRONMENT: Subject = Subject::blended("environment", 8, |s| {
         m.diffuse_transmission = 0.6;
         m.thickness = 0.3;
     });
-    lamps(s);
+    s.lamps();
     let map = s.environment_map(400.0);
     s.default_camera((indoor(), map));
 });
@@ -82,7 +82,7 @@ pub const FURTHER: &[Subject] = &[
             invisible(m);
             m.alpha_mode = AlphaMode::Premultiplied;
         });
-        lamps(s);
+        s.lamps();
         s.default_camera((indoor(), fog()));
     }),
     Subject::blended("probes", 8, |s| {
@@ -92,7 +92,7 @@ pub const FURTHER: &[Subject] = &[
             m.anisotropy_strength = 0.8;
             m.anisotropy_rotation = 0.7;
         });
-        lamps(s);
+        s.lamps();
         s.decal(Vec3::splat(3.0));
         let volume = s.irradiance_volume(300.0);
         s.probe(volume);
@@ -103,7 +103,7 @@ pub const FURTHER: &[Subject] = &[
     Subject::blended("contact_shadows", 4, |s| {
         s.solids();
         glass(s, |m| m.base_color = Color::srgba(0.8, 0.8, 0.8, 0.9));
-        lamps(s);
+        s.lamps();
         s.default_camera((indoor(), DepthPrepass, ContactShadows::default()));
     }),
 ];
@@ -153,43 +153,6 @@ fn glass(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) {
     }
 }
 
-/// 64 lamps of three kinds, most of which reach only a part of the scene. A few cast shadows.
-fn lamps(s: &mut SceneBuilder) {
-    for index in 0..64u32 {
-        let at = |factor: u32| (index * factor % 64) as f32 / 63.0;
-        let place = Vec3::new(6.0 * at(29) - 3.0, 0.3 + 1.6 * at(13), 4.0 * at(51) - 2.5);
-        let color = Color::srgb(0.4 + 0.6 * at(5), 0.4 + 0.6 * at(11), 0.5 + 0.5 * at(7));
-        let shadow_maps_enabled = index.is_multiple_of(31);
-        let range = 0.8 + 2.0 * at(17);
-        if index % 3 == 0 {
-            s.spawn((
-                SpotLight {
-                    color,
-                    intensity: 2_000.0,
-                    range: 1.5 * range,
-                    outer_angle: 0.3 + 0.6 * at(23),
-                    inner_angle: 0.1,
-                    shadow_maps_enabled,
-                    ..default()
-                },
-                Transform::from_translation(place).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y),
-            ));
-        } else {
-            s.spawn((
-                PointLight {
-                    color,
-                    intensity: 700.0,
-                    range,
-                    radius: if index % 3 == 1 { 0.0 } else { 0.15 },
-                    shadow_maps_enabled,
-                    ..default()
-                },
-                Transform::from_translation(place),
-            ));
-        }
-    }
-}
-
 /// Dim light with shadows from above and behind.
 fn moon(s: &mut SceneBuilder) {
     s.spawn((
@@ -232,7 +195,7 @@ fn maps(s: &mut SceneBuilder) {
                 .insert(Lightmap { image, ..default() });
         }
     }
-    lamps(s);
+    s.lamps();
     s.rect_light();
     s.default_camera((
         indoor(),
@@ -289,6 +252,6 @@ pub fn lamplit(s: &mut SceneBuilder, material: impl Bundle) {
     s.floor();
     let mesh = s.add::<Mesh>(Sphere::new(0.8).mesh().uv(24, 12));
     s.spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 0.8, 0.0)));
-    lamps(s);
+    s.lamps();
     s.default_camera(indoor());
 }

@@ -24,6 +24,9 @@ pub struct Measurement {
     /// Rasterising: the G-buffer, or forward's opaque pass with its lighting.
     pub geometry: Option<Time>,
     pub lighting: Option<Time>,
+    /// Bevy's pass of blended meshes. Missing in older files.
+    #[serde(default)]
+    pub blended: Option<Time>,
     /// Everything from the first to the last pass of the camera, including shadow maps and post-processing.
     pub camera: Option<Time>,
     pub bytes_written_by_geometry: u32,
@@ -206,8 +209,15 @@ impl FrameTimes {
     fn plain(&self) -> impl Iterator<Item = &Measurement> {
         let plain = ["Bevy forward", PEER, "lean"];
         (self.0.iter())
-            .filter(move |m| !m.scene.contains("targets") && plain.contains(&m.contender.as_str()))
+            .filter(move |m| compares_renderers(&m.scene) && plain.contains(&m.contender.as_str()))
     }
+}
+
+/// False for scenes that show the cost of one kind of mesh or light.
+fn compares_renderers(scene: &str) -> bool {
+    !["targets", "glass", "probes"]
+        .iter()
+        .any(|kind| scene.contains(kind))
 }
 
 /// The group of a renderer's points.
@@ -247,7 +257,7 @@ impl Figures for FrameTimes {
     fn plots(&self) -> Vec<Plot> {
         let compared = |scene: &&str| {
             let others = self.of_scene(scene).filter(|m| m.psnr.is_some());
-            !scene.contains("targets") && others.count() > 1
+            compares_renderers(scene) && others.count() > 1
         };
         let speeds = self.scenes().into_iter().filter(compared);
         let mut plots: Vec<Plot> = speeds.map(|scene| self.speed(scene)).collect();

@@ -319,6 +319,44 @@ impl SceneBuilder<'_> {
         ));
     }
 
+    /// Spawns 64 lamps of three kinds, most of which reach only a part of the scene. A few cast shadows.
+    pub fn lamps(&mut self) {
+        for index in 0..64u32 {
+            let at = |factor: u32| (index * factor % 64) as f32 / 63.0;
+            let place = Vec3::new(6.0 * at(29) - 3.0, 0.3 + 1.6 * at(13), 4.0 * at(51) - 2.5);
+            let color = Color::srgb(0.4 + 0.6 * at(5), 0.4 + 0.6 * at(11), 0.5 + 0.5 * at(7));
+            let shadow_maps_enabled = index.is_multiple_of(31);
+            let range = 0.8 + 2.0 * at(17);
+            if index % 3 == 0 {
+                self.spawn((
+                    SpotLight {
+                        color,
+                        intensity: 2_000.0,
+                        range: 1.5 * range,
+                        outer_angle: 0.3 + 0.6 * at(23),
+                        inner_angle: 0.1,
+                        shadow_maps_enabled,
+                        ..default()
+                    },
+                    Transform::from_translation(place)
+                        .looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y),
+                ));
+            } else {
+                self.spawn((
+                    PointLight {
+                        color,
+                        intensity: 700.0,
+                        range,
+                        radius: if index % 3 == 1 { 0.0 } else { 0.15 },
+                        shadow_maps_enabled,
+                        ..default()
+                    },
+                    Transform::from_translation(place),
+                ));
+            }
+        }
+    }
+
     /// Spawns a rectangle light that faces the middle of the scene from above and in front.
     pub fn rect_light(&mut self) {
         self.spawn((

@@ -139,8 +139,14 @@ fn among(s: &mut SceneBuilder, change: impl Fn(&mut StandardMaterial)) {
     s.default_camera(ambient());
 }
 
-/// One transparent card in front of all solids, one between them, one behind them.
 fn transparent(s: &mut SceneBuilder, alpha_mode: AlphaMode) {
+    cards(s, alpha_mode);
+    s.sun(true);
+    s.default_camera(ambient());
+}
+
+/// Solids, and one transparent card in front of all of them, one between them, one behind them.
+pub fn cards(s: &mut SceneBuilder, alpha_mode: AlphaMode) {
     s.solids();
     for (z, color) in [
         (1.8, Color::srgba(0.9, 0.3, 0.2, 0.5)),
@@ -157,6 +163,4 @@ fn transparent(s: &mut SceneBuilder, alpha_mode: AlphaMode) {
             Transform::from_xyz(-z * 0.5, 0.9, z),
         );
     }
-    s.sun(true);
-    s.default_camera(ambient());
 }

@@ -2,7 +2,7 @@
 
 pub mod boxes;
 pub mod build;
-mod forward_materials;
+pub mod forward_materials;
 mod lights;
 pub mod materials;
 pub mod meshes;

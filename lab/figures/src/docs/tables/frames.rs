@@ -2,7 +2,11 @@
 
 use super::{UHD, rows_of};
 use crate::{
-    benches::frame_times::Measurement, numbers::median, store::Store, table::Table, time::Time,
+    benches::frame_times::Measurement,
+    numbers::{fixed, median},
+    store::Store,
+    table::Table,
+    time::Time,
 };
 
 pub fn frame_times(store: &Store) -> Table {
@@ -124,6 +128,47 @@ pub fn optional_targets(store: &Store) -> Table {
             both(|m| m.camera, [2, 2]),
             lean.bytes_text(),
             format!("{} / {}", lean.psnr_text(), bevy.psnr_text()),
+        ]
+    })
+}
+
+pub fn blended(store: &Store) -> Table {
+    let rows = [
+        ("1600 boxes", "glass"),
+        ("100 of 1600 boxes", "glass_few"),
+        ("three cards among solids, all lamps near", "glass_cards"),
+    ];
+    beside(store, "blended", "Bevy forward", &rows, |m| m.blended)
+}
+
+pub fn light_probes(store: &Store) -> Table {
+    let rows = [
+        ("two reflection probes", "probes"),
+        ("an irradiance volume too", "probes_volume"),
+    ];
+    beside(store, "light probes", "Bevy deferred", &rows, |m| {
+        m.lighting
+    })
+}
+
+/// Times of a stage of scenes that show the cost of one kind of mesh or light, beside a renderer of Bevy's.
+fn beside(
+    store: &Store,
+    what: &str,
+    bevys: &str,
+    rows: &[(&str, &str)],
+    stage: fn(&Measurement) -> Option<Time>,
+) -> Table {
+    let figures = store.frame_times("h200");
+    rows_of(&[what, bevys, "lean", "×", "PSNR dB"], rows, |scene| {
+        let [lean, bevy] = ["lean", bevys].map(|name| figures.at(scene, name));
+        let times = stage(lean).zip(stage(bevy));
+        let ratio = times.map(|(lean, bevy)| lean.median / bevy.median);
+        vec![
+            Time::text(stage(bevy)),
+            Time::text(stage(lean)),
+            fixed(ratio, 3),
+            lean.psnr_text(),
         ]
     })
 }

@@ -21,6 +21,8 @@ pub const TABLES: &[(&str, fn(&Store) -> Table)] = &[
     ("light scaling", frames::light_scaling),
     ("light culling", frames::light_culling),
     ("optional targets", frames::optional_targets),
+    ("blended", frames::blended),
+    ("light probes", frames::light_probes),
     ("occlusion", effects::occlusion),
     (
         "occlusion at other sizes",
