@@ -45,7 +45,7 @@
 #ifdef SHADING_MODEL_RIM
 #import bevy_lean_deferred::gbuffer::layout::specialization::{RIM, unpack_arguments, unpack_shading_model}
 #import bevy_lean_deferred::lighting::surface::has_lightmap
-#import bevy_lean_deferred::shading_models::rim::rim_light
+#import bevy_lean_deferred::shading_models::rim::{ambient_light_behind, rim_light}
 #endif
 
 #ifdef SCATTERS_LIGHT
@@ -181,13 +181,13 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
     var found: ScreenSpaceLight;
     var around: Surroundings;
     if is_lit(pixel) {
-        found = screen_space_light(pixel);
 #ifdef CLUSTERED_DECALS_ARE_USABLE
         point.perceptual_roughness = unpack_halves(decaled.zw).a;
 #else
         point.perceptual_roughness = unpack_roughness(pixel.normal_word);
 #endif
         around = surroundings_of(&point, cluster);
+        found = screen_space_light(pixel);
     }
     // Unpacked again, so that fewer registers are live in the loops over lights.
     pbr = pbr_input_from_gbuffer(pixel);
@@ -222,7 +222,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         }
 #endif
         var lit: Lit;
-        emit(&shaded, pixel, emission(pbr, pixel));
+        emit(&shaded, pixel, emission(pbr, pixel, around));
         add_indirect_light(&point, pbr, around, found, &lit);
         show(&shaded, pixel, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
@@ -323,12 +323,12 @@ fn emit(shaded: ptr<function, Shaded>, pixel: Pixel, light: vec3<f32>) {
 }
 
 /// Emission and rim light, exposed.
-fn emission(pbr: PbrInput, pixel: Pixel) -> vec3<f32> {
+fn emission(pbr: PbrInput, pixel: Pixel, around: Surroundings) -> vec3<f32> {
     var light = emitted_light(pbr);
 #ifdef SHADING_MODEL_RIM
     if unpack_shading_model(pixel.specialization_word) == RIM {
         let arguments = unpack_arguments(pixel.specialization_word);
-        light += rim_light(pbr, arguments, has_lightmap(pixel), parts::has(parts::IRRADIANCE_VOLUME));
+        light += rim_light(pbr, arguments, ambient_light_behind(has_lightmap(pixel)) + around.of_model);
     }
 #endif
     return light;

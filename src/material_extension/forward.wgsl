@@ -2,7 +2,7 @@
 #define SHADING_MODEL_RIM
 #import bevy_lean_deferred::gbuffer::layout::specialization::RIM
 #import bevy_lean_deferred::material_extension::extension::extension_of
-#import bevy_lean_deferred::shading_models::rim::rim_light
+#import bevy_lean_deferred::shading_models::rim::{light_behind, rim_light}
 #import bevy_pbr::{
     decal::clustered::apply_decals,
     forward_io::{FragmentOutput, VertexOutput},
@@ -34,7 +34,7 @@ fn light(pbr: PbrInput, instance_index: u32) -> vec4<f32> {
 #else
         let is_lightmapped = false;
 #endif
-        color = vec4(color.rgb + rim_light(pbr, extension.arguments, is_lightmapped, true), color.a);
+        color = vec4(color.rgb + rim_light(pbr, extension.arguments, light_behind(pbr, is_lightmapped)), color.a);
     }
     return color;
 }

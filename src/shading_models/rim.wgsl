@@ -47,41 +47,43 @@ fn unpack_rim_exponent(arguments: u32) -> f32 {
 #endif
 
 /// The dedicated rim term of Mitchell, Francke and Eng 2007, "Illustrative Rendering in Team Fortress 2":
-/// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)` is the light along the eye's ray from behind the
-/// surface. Negative products are clamped to 0. Colour and exponent are unpacked from `arguments`. Exposed, like the result of
-/// `apply_pbr_lighting`. `has_volumes` is false if the view has no irradiance volumes.
-fn rim_light(in: PbrInput, arguments: u32, is_lightmapped: bool, has_volumes: bool) -> vec3<f32> {
+/// `(n · u) (1 - n · v)^exponent color a(v)`, where `u` points up and `a(v)`, here `behind`, is the light along the eye's ray from behind
+/// the surface. Negative products are clamped to 0. Colour and exponent are unpacked from `arguments`. Exposed, like the result of
+/// `apply_pbr_lighting`.
+fn rim_light(in: PbrInput, arguments: u32, behind: vec3<f32>) -> vec3<f32> {
     let color = unpack_rim_color(arguments);
     let exponent = unpack_rim_exponent(arguments);
     // Clamp: shading normals may face away from the viewer.
     let fresnel = pow(1.0 - saturate(dot(in.N, in.V)), exponent);
     let up = saturate(in.N.y);
-    let around = light_from(-in.V, in, is_lightmapped, has_volumes);
-    let light = color * (up * fresnel) * in.diffuse_occlusion * around;
-    return view.exposure * light;
+    return view.exposure * (color * (up * fresnel) * in.diffuse_occlusion * behind);
 }
 
-/// Mean light from around a direction: ambient light, and either irradiance volumes or environment maps, chosen like Bevy's
-/// diffuse light.
-fn light_from(direction: vec3<f32>, in: PbrInput, is_lightmapped: bool, has_volumes: bool) -> vec3<f32> {
+/// The part of the light from behind that is ambient light.
+fn ambient_light_behind(is_lightmapped: bool) -> vec3<f32> {
+    if is_lightmapped && lights.ambient_light_affects_lightmapped_meshes == 0u {
+        return vec3(0.0);
+    }
+    return lights.ambient_color.rgb;
+}
+
+/// Mean light from behind the surface, in Bevy's passes: ambient light, and either irradiance volumes or environment maps, chosen like
+/// Bevy's diffuse light. Lighting of the G-buffer looks it up with the pixel's other indirect light.
+fn light_behind(in: PbrInput, is_lightmapped: bool) -> vec3<f32> {
     let view_z = (view.view_from_world * in.world_position).z;
     let cluster = clustering::view_fragment_cluster_index(in.frag_coord.xy, view_z, in.is_orthographic);
     var ranges = clustering::unpack_clusterable_object_index_ranges(cluster);
-
-    var light = vec3(0.0);
+    var light = ambient_light_behind(is_lightmapped);
     var found_diffuse = is_lightmapped;
-    if !is_lightmapped || lights.ambient_light_affects_lightmapped_meshes != 0u {
-        light += lights.ambient_color.rgb;
-    }
 #ifdef IRRADIANCE_VOLUME
-    if !found_diffuse && has_volumes {
-        light += irradiance_of_volumes(in.world_position.xyz, direction, &ranges);
+    if !found_diffuse {
+        light += irradiance_of_volumes(in.world_position.xyz, -in.V, &ranges);
         found_diffuse = true;
     }
 #endif
 #ifdef ENVIRONMENT_MAP
     // At full roughness, the radiance that is sampled with the irradiance is cheap.
-    let input = LayerLightingInput(direction, direction, 1.0, 1.0, 1.0);
+    let input = LayerLightingInput(-in.V, -in.V, 1.0, 1.0, 1.0);
     light += radiances_of(input, &ranges, in.world_position.xyz, found_diffuse).irradiance;
 #endif
     return light;

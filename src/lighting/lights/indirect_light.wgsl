@@ -42,12 +42,9 @@ struct Surroundings {
     irradiance: vec3<f32>,
     /// Radiance from about the mirrored direction.
     radiance: vec3<f32>,
-    // Light that only one shading model needs: radiance in the coat's mirror, or mean radiance at the back.
-#ifdef STANDARD_MATERIAL_CLEARCOAT
+    /// Light that only one shading model needs: radiance in the coat's mirror, mean radiance at the back, or that along the eye's ray
+    /// from behind, for rim light.
     of_model: vec3<f32>,
-#else ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    of_model: vec3<f32>,
-#endif
 }
 
 /// Light of light probes and environment maps at `point`, of which it reads positions, directions, both roughnesses and the shading
@@ -62,6 +59,11 @@ fn surroundings_of(point: ptr<function, ShadingPoint>, cluster: u32) -> Surround
 #ifdef IRRADIANCE_VOLUME
     if !found_diffuse && parts::has(parts::IRRADIANCE_VOLUME) {
         around.irradiance = irradiance_of_volumes((*point).position, (*point).N, &ranges);
+#ifdef SHADING_MODEL_RIM
+        if (*point).has_rim_light {
+            around.of_model = irradiance_of_volumes((*point).position, -(*point).V, &ranges);
+        }
+#endif
         found_diffuse = true;
     }
 #endif
@@ -80,44 +82,92 @@ fn add_environment_maps(
     found_diffuse: bool,
     around: ptr<function, Surroundings>,
 ) {
-    let mirrored = reflect(-(*point).V, (*point).N);
-    var layer = LayerLightingInput(
-        (*point).N, mirrored, view_cosine(point), (*point).perceptual_roughness, (*point).roughness,
-    );
-#ifdef STANDARD_MATERIAL_ANISOTROPY
-    if (*point).is_anisotropic {
-        bend(point, &layer);
-    }
+    let has_second = has_second_layer(point, found_diffuse);
+    // One call for both layers, since its code is long.
+    for (var is_base = true; ; is_base = false) {
+        let skips_irradiance = select(skips_irradiance_of_model(point), found_diffuse, is_base);
+        let radiances = radiances_of(layer_of(point, is_base), ranges, (*point).position, skips_irradiance);
+        if is_base {
+            (*around).radiance = radiances.radiance;
+            if !found_diffuse {
+                (*around).irradiance = radiances.irradiance;
+            }
+        } else {
+            (*around).of_model = radiances.irradiance;
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+            if (*point).clearcoat > 0.0 {
+                (*around).of_model = radiances.radiance;
+            }
 #endif
-    let radiances = radiances_of(layer, ranges, (*point).position, found_diffuse);
-    if !found_diffuse {
-        (*around).irradiance = radiances.irradiance;
+        }
+        if !is_base || !has_second {
+            break;
+        }
     }
-    (*around).radiance = radiances.radiance;
+}
+
+/// True if the surface has a coat, transmits light, or has rim light that is not found yet.
+fn has_second_layer(point: ptr<function, ShadingPoint>, found_diffuse: bool) -> bool {
 #ifdef STANDARD_MATERIAL_CLEARCOAT
     if (*point).clearcoat > 0.0 {
-        let coat = LayerLightingInput(
-            (*point).N,
-            mirrored,
-            view_cosine(point),
-            (*point).clearcoat_perceptual_roughness,
-            (*point).clearcoat_roughness,
-        );
-        (*around).of_model = radiances_of(coat, ranges, (*point).position, true).radiance;
+        return true;
+    }
+#endif
+#ifdef SHADING_MODEL_RIM
+    if (*point).has_rim_light {
+        return !found_diffuse;
     }
 #endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-    if transmits(point) {
-        let back = LayerLightingInput(-(*point).N, -(*point).N, 1.0, 1.0, 1.0);
-        var is_left_out = false;
-#ifdef LIGHTMAPPED_SURFACES
-        // Bevy asks each probe whether it affects lightmapped surfaces; here the view's map decides for all of them.
-        is_left_out = (*point).is_lightmapped
-            && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
+    return transmits(point);
+#else
+    return false;
 #endif
-        (*around).of_model = radiances_of(back, ranges, (*point).position, is_left_out).irradiance;
+}
+
+/// True if the shading model does not need the irradiance of its layer.
+fn skips_irradiance_of_model(point: ptr<function, ShadingPoint>) -> bool {
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    if (*point).clearcoat > 0.0 {
+        return true;
     }
 #endif
+#ifdef LIGHTMAPPED_SURFACES
+    // Bevy asks each probe whether it affects lightmapped surfaces; here the view's map decides for all of them.
+    return (*point).is_lightmapped && light_probes.view_environment_map_affects_lightmapped_mesh_diffuse == 0u;
+#else
+    return false;
+#endif
+}
+
+/// The base's layer, or that of the shading model: the coat, the ray from behind for rim light, or the back.
+fn layer_of(point: ptr<function, ShadingPoint>, is_base: bool) -> LayerLightingInput {
+    let N = (*point).N;
+    var layer = LayerLightingInput(
+        N, reflect(-(*point).V, N), view_cosine(point), (*point).perceptual_roughness, (*point).roughness,
+    );
+    if is_base {
+#ifdef STANDARD_MATERIAL_ANISOTROPY
+        if (*point).is_anisotropic {
+            bend(point, &layer);
+        }
+#endif
+        return layer;
+    }
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    if (*point).clearcoat > 0.0 {
+        layer.perceptual_roughness = (*point).clearcoat_perceptual_roughness;
+        layer.roughness = (*point).clearcoat_roughness;
+        return layer;
+    }
+#endif
+    var behind = -N;
+#ifdef SHADING_MODEL_RIM
+    if (*point).has_rim_light {
+        behind = -(*point).V;
+    }
+#endif
+    return LayerLightingInput(behind, behind, 1.0, 1.0, 1.0);
 }
 #endif
 

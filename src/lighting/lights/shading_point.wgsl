@@ -85,6 +85,9 @@ struct ShadingPoint {
 #endif
 #endif
 #endif
+#ifdef SHADING_MODEL_RIM
+    has_rim_light: bool,
+#endif
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
     transmits: bool,
     /// A colour as above. 0 where no light is transmitted.
@@ -216,6 +219,9 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
 #endif
 #ifdef LIGHTMAPPED_SURFACES
     point.is_lightmapped = has_lightmap(pixel);
+#endif
+#ifdef SHADING_MODEL_RIM
+    point.has_rim_light = specialization::unpack_shading_model(pixel.specialization_word) == specialization::RIM;
 #endif
 #ifdef STANDARD_MATERIAL_ANISOTROPY
     let model = specialization::unpack_shading_model(pixel.specialization_word);
