@@ -18,6 +18,8 @@ set -eu
 cd "$(dirname "$0")/.."
 . tests/fetch.sh
 export RUST_LIB_BACKTRACE=0
+# As in `run.sh`.
+export GALLIVM_PERF="${GALLIVM_PERF:-nopt}"
 cache="${XDG_CACHE_HOME:-$HOME/.cache}/bevy_lean_deferred/drivers"
 logs="$cache/logs"
 mkdir -p "$logs"

@@ -11,6 +11,8 @@ cd "$(dirname "$0")/.."
 # In debug builds wgpu notes where each of its locks was taken, with a backtrace where those are wanted. Panics have theirs
 # all the same.
 export RUST_LIB_BACKTRACE=0
+# llvmpipe runs most shaders for a few small pictures: compiling them well takes longer than it saves.
+export GALLIVM_PERF="${GALLIVM_PERF:-nopt}"
 # Few apps at a time: each render thread of a software driver takes all cores, but no app keeps it busy all the time.
 threads=--test-threads=3
 nightly=${LEAN_TEST_NIGHTLY:+--include-ignored}
@@ -25,7 +27,7 @@ built=$(cargo test --no-run 2>&1 | sed -n -e 'w /dev/stderr' -e 's/^  *Executabl
 common=$({
     find Cargo.toml Cargo.lock assets examples lab src tests/*.sh -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum
     rustc -vV
-    env | grep -E '^(VK_|WGPU_|LP_|LEAN_TEST_|SOAK_|PARITY_|PROPTEST_)' | LC_ALL=C sort
+    env | grep -E '^(VK_|WGPU_|LP_|GALLIVM_|LEAN_TEST_|SOAK_|PARITY_|PROPTEST_)' | LC_ALL=C sort
     cat /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json 2>/dev/null || true
     cat /usr/lib/*/libvulkan.so* /usr/lib/*/libvulkan_lvp.so 2>/dev/null || true
 } | sha256sum)
