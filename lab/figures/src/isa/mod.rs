@@ -81,6 +81,8 @@ impl Recording {
         let log = File::create(&log_path).map_err(says)?;
         let mut isa = Command::new("sh");
         isa.arg(root().join("benches/isa/isa.sh"))
+            // With binding arrays, as the drivers of these GPUs.
+            .args(["--driver", "mesa25"])
             .args(["--families", &family_names(), "--only", &case.labels()])
             .arg("--out")
             .arg(&folder);

@@ -151,14 +151,17 @@ pub const CASES: &[Case] = &[
         program: "pictures",
         args: "parity::lights_match_forward --exact --test-threads=1",
         // In their order in `lab/kit/src/scenes/lights.rs`.
-        parity_scene: "directional_shadow_cascades,point_shadow,many_lights_of_all_kinds",
+        parity_scene: "directional_shadow_cascades,point_shadow,many_lights_of_all_kinds,reflection_probe",
         shaders: &[
             compute("lighting: a sun with shadows", LIGHTING).beside(DEFERRED_BOXES),
             compute("lighting: points with shadows", LIGHTING)
                 .nth(1)
                 .beside(DEFERRED_BOXES),
-            compute("lighting: sun, points, spots with shadows", LIGHTING)
+            compute("lighting: a sun, light probes", LIGHTING)
                 .nth(2)
+                .beside(DEFERRED_BOXES),
+            compute("lighting: sun, points, spots with shadows", LIGHTING)
+                .nth(3)
                 .beside(DEFERRED_BOXES),
         ],
     },
@@ -190,6 +193,21 @@ pub const CASES: &[Case] = &[
             fragment("G-buffer: special surfaces", GBUFFER)
                 .beside("Bevy's deferred G-buffer: special surfaces"),
             fragment("Bevy's deferred G-buffer: special surfaces", PREPASS),
+        ],
+    },
+    Case {
+        name: "blended",
+        program: "frame_times",
+        args: "--scene glass_cards --size 64x36 --frames 1 --warm-up 1 --no-flip \
+               --contender Bevy forward,lean",
+        parity_scene: "",
+        shaders: &[
+            fragment("blended meshes", "lean_deferred/lighting/forward")
+                .beside("Bevy's forward: blended meshes"),
+            fragment(
+                "Bevy's forward: blended meshes",
+                "pbr_alpha_blend_mesh_pipeline",
+            ),
         ],
     },
     Case {
