@@ -43,7 +43,7 @@
 #endif
 
 #ifdef SHADING_MODEL_RIM
-#import bevy_lean_deferred::gbuffer::layout::specialization::{RIM, unpack_arguments, unpack_shading_model}
+#import bevy_lean_deferred::gbuffer::layout::specialization::unpack_arguments
 #import bevy_lean_deferred::lighting::surface::has_lightmap
 #import bevy_lean_deferred::shading_models::rim::{ambient_light_behind, rim_light}
 #endif
@@ -222,7 +222,7 @@ fn shade(pixel: Pixel, corner: vec2<u32>, member: u32) -> Shaded {
         }
 #endif
         var lit: Lit;
-        emit(&shaded, pixel, emission(pbr, pixel, around));
+        emit(&shaded, pixel, emission(&point, pbr, pixel, around));
         add_indirect_light(&point, pbr, around, found, &lit);
         show(&shaded, pixel, lit, 1.0);
 #ifdef AREA_LIGHT_LUTS
@@ -323,10 +323,10 @@ fn emit(shaded: ptr<function, Shaded>, pixel: Pixel, light: vec3<f32>) {
 }
 
 /// Emission and rim light, exposed.
-fn emission(pbr: PbrInput, pixel: Pixel, around: Surroundings) -> vec3<f32> {
+fn emission(point: ptr<function, ShadingPoint>, pbr: PbrInput, pixel: Pixel, around: Surroundings) -> vec3<f32> {
     var light = emitted_light(pbr);
 #ifdef SHADING_MODEL_RIM
-    if unpack_shading_model(pixel.specialization_word) == RIM {
+    if (*point).has_rim_light {
         let arguments = unpack_arguments(pixel.specialization_word);
         light += rim_light(pbr, arguments, ambient_light_behind(has_lightmap(pixel)) + around.of_model);
     }

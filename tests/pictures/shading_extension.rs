@@ -12,11 +12,12 @@ use bevy::{
     },
 };
 use bevy_lean_deferred::{
-    gbuffer::GBufferTargets, material_extension::SubsurfaceAlbedo, prelude::*, view::ActiveLeanView,
+    gbuffer::GBufferTargets, lighting::CompiledLighting, material_extension::SubsurfaceAlbedo,
+    prelude::*, view::ActiveLeanView,
 };
 use kit::{
     headless::{Headless, Picture},
-    lean::{build, judge, report, set_lean, settled, show},
+    lean::{build, compile_lighting, is_lit_by_general, judge, report, set_lean, settled, show},
     metrics::difference,
     own_process::in_own_process,
     scenes::{LEAST_PSNR, SceneBuilder, special_materials::put_lightmaps},
@@ -159,6 +160,26 @@ fn extensions_match_forward() {
         let headless = &mut Headless::new(SIZE);
         rims_match_forward(headless);
         subsurface_matches_forward_and_the_plain_base(headless);
+    });
+}
+
+/// General pipelines have irradiance volumes. Rims of views without any reflect the environment map all the same.
+#[test]
+fn general_pipelines_light_rims_without_volumes() {
+    in_own_process(|| {
+        let headless = &mut Headless::with(SIZE, |app| {
+            compile_lighting(app, CompiledLighting::General);
+        });
+        let result = compare(
+            headless,
+            "general_rim",
+            Surroundings::EnvironmentMap,
+            RIMS,
+            |_| {},
+            GBufferTargets::SPECIALIZATION,
+        );
+        assert!(is_lit_by_general(headless));
+        report([result]);
     });
 }
 

@@ -1,4 +1,5 @@
-// What loops over reflection probes and irradiance volumes share. In a probe's own space it is a cube of edge 1 around the origin.
+// The weight of a light probe, for loops over reflection probes and irradiance volumes. In its own space a probe is a cube of edge 1
+// around the origin.
 #define_import_path bevy_lean_deferred::lighting::lights::light_probe
 
 /// Weight of a probe at `place` in its own space: ramps from 0 at the faces to 1 within, over `falloff`.

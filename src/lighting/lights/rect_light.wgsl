@@ -66,7 +66,10 @@ fn falloff_at(id: u32, position: vec3<f32>, corner: vec3<f32>) -> f32 {
     return getRangeFalloff(dot(to_light, to_light), 1.0 / range_square);
 }
 
-// Of diffuse and specular reflection, and that of the coat.
+// The lobes of a surface.
+const DIFFUSE: u32 = 0u;
+const SPECULAR: u32 = 1u;
+const COAT: u32 = 2u;
 #ifdef STANDARD_MATERIAL_CLEARCOAT
 const LOBES: u32 = 3u;
 #else
@@ -108,7 +111,7 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
         let color = lights.rect_lights[id].color.rgb;
         let number = i % LOBES;
 #ifdef STANDARD_MATERIAL_DIFFUSE_TRANSMISSION
-        if number == 0u && transmits(point) {
+        if number == DIFFUSE && transmits(point) {
             (*lit).diffuse += color * transmitted_rect_light(point, id, corners);
         }
 #endif
@@ -117,28 +120,27 @@ fn add_rect_lights(point: ptr<function, ShadingPoint>, lit: ptr<function, Lit>) 
             continue;
         }
         var inverse = COSINE;
-        if number == 1u {
+        var factor = diffuse;
+        if number == SPECULAR {
             inverse = base.inverse;
+            factor = specular;
         }
 #ifdef STANDARD_MATERIAL_CLEARCOAT
-        if number == 2u {
+        if number == COAT {
             if reflected == 0.0 {
                 continue;
             }
             inverse = coat.inverse;
+            factor = vec3(reflected);
         }
 #endif
-        let light = color * (falloff * ltc_integrate_quad(N, V, (*point).position, inverse, corners));
-        if number == 0u {
-            (*lit).diffuse += diffuse * light;
-        } else if number == 1u {
-            (*lit).specular += specular * light;
+        let integral = ltc_integrate_quad(N, V, (*point).position, inverse, corners);
+        let light = factor * color * (falloff * integral);
+        if number == DIFFUSE {
+            (*lit).diffuse += light;
+        } else {
+            (*lit).specular += light;
         }
-#ifdef STANDARD_MATERIAL_CLEARCOAT
-        if number == 2u {
-            (*lit).specular += reflected * light;
-        }
-#endif
     }
 }
 

@@ -220,11 +220,13 @@ fn shading_point(pbr: PbrInput, pixel: Pixel, view_z: f32) -> ShadingPoint {
 #ifdef LIGHTMAPPED_SURFACES
     point.is_lightmapped = has_lightmap(pixel);
 #endif
+#ifdef GBUFFER_SPECIALIZATION
+    let model = specialization::unpack_shading_model(pixel.specialization_word);
+#endif
 #ifdef SHADING_MODEL_RIM
-    point.has_rim_light = specialization::unpack_shading_model(pixel.specialization_word) == specialization::RIM;
+    point.has_rim_light = model == specialization::RIM;
 #endif
 #ifdef STANDARD_MATERIAL_ANISOTROPY
-    let model = specialization::unpack_shading_model(pixel.specialization_word);
     point.is_anisotropic = model == specialization::ANISOTROPY;
 #endif
     return point;

@@ -128,7 +128,7 @@ pub fn steps(mode: Mode, gltf: Option<&str>) -> Vec<Step> {
         Mode::Full => vec![
             step(
                 "frame_times",
-                "--scene boxes_1,boxes_64,boxes_512,boxes_4096,targets_",
+                "--scene boxes_1,boxes_64,boxes_512,boxes_4096,targets_,glass,probes",
                 400.0,
             ),
             step("ambient_occlusion", "", 300.0),
