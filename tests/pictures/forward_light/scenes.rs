@@ -53,15 +53,20 @@ pub const LIGHTS: Subject = Subject {
     },
 };
 
-/// Special surfaces under an environment map.
+/// Special surfaces under an environment map and a rectangular light.
 pub const ENVIRONMENT: Subject = Subject::blended("environment", 8, |s| {
     s.floor();
-    glass(s, |m| m.clearcoat = 0.8);
+    glass(s, |m| {
+        m.perceptual_roughness = 0.8;
+        m.clearcoat = 0.8;
+        m.clearcoat_perceptual_roughness = 0.1;
+    });
     glass(s, |m| {
         m.diffuse_transmission = 0.6;
         m.thickness = 0.3;
     });
     s.lamps();
+    s.rect_light();
     let map = s.environment_map(400.0);
     s.default_camera((indoor(), map));
 });

@@ -248,7 +248,7 @@ impl SceneBuilder<'_> {
         })
     }
 
-    /// A cube map with one colour per face, brighter upwards.
+    /// A cube map with one colour per face, brighter upwards. Each mip level halves what differs between faces.
     pub fn cube_map(&mut self) -> Handle<Image> {
         const FACES: [[f32; 3]; 6] = [
             [0.9, 0.5, 0.4],
@@ -258,31 +258,34 @@ impl SceneBuilder<'_> {
             [0.5, 0.9, 0.5],
             [0.8, 0.7, 0.4],
         ];
-        let size = 8;
-        let data: Vec<u8> = FACES
-            .iter()
-            .flat_map(|face| (0..size * size).map(move |i| (face, i)))
-            .flat_map(|(face, i)| {
-                let shade = 0.7 + 0.3 * (i / size) as f32 / size as f32;
-                [
-                    (face[0] * shade * 255.0) as u8,
-                    (face[1] * shade * 255.0) as u8,
-                    (face[2] * shade * 255.0) as u8,
-                    255,
-                ]
-            })
-            .collect();
-        let mut image = Image::new(
+        const MEAN: [f32; 3] = [0.6, 0.6, 0.58];
+        let size = 8u32;
+        let levels = size.ilog2() + 1;
+        let mut data = Vec::new();
+        for face in FACES {
+            for level in 0..levels {
+                let size = size >> level;
+                let contrast = 0.5f32.powi(level as i32);
+                for i in 0..size * size {
+                    let shade = 0.7 + 0.3 * (i / size) as f32 / size as f32;
+                    let channel = |i: usize| MEAN[i] + (face[i] - MEAN[i]) * contrast;
+                    data.extend([0, 1, 2].map(|i| (channel(i) * shade * 255.0) as u8));
+                    data.push(255);
+                }
+            }
+        }
+        let mut image = Image::new_uninit(
             Extent3d {
                 width: size,
                 height: size,
                 depth_or_array_layers: 6,
             },
             TextureDimension::D2,
-            data,
             TextureFormat::Rgba8Unorm,
             RenderAssetUsages::default(),
         );
+        image.data = Some(data);
+        image.texture_descriptor.mip_level_count = levels;
         image.texture_view_descriptor = Some(TextureViewDescriptor {
             dimension: Some(TextureViewDimension::Cube),
             ..default()

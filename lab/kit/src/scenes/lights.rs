@@ -3,8 +3,9 @@
 use bevy::{
     core_pipeline::Skybox,
     light::{
-        AmbientLight, CascadeShadowConfigBuilder, DirectionalLightTexture, FogVolume, PointLight,
-        ShadowFilteringMethod, SpotLight, SpotLightTexture, VolumetricFog, VolumetricLight,
+        AmbientLight, CascadeShadowConfigBuilder, DirectionalLightTexture, FogVolume,
+        IrradianceVolume, LightProbe, PointLight, ShadowFilteringMethod, SpotLight,
+        SpotLightTexture, VolumetricFog, VolumetricLight,
     },
     pbr::{ContactShadows, DistanceFog, FogFalloff, ScreenSpaceAmbientOcclusion},
     prelude::*,
@@ -86,7 +87,18 @@ pub const SCENES: &[Scene] = &[
     Scene::new("irradiance_volume", |s| {
         s.solids();
         let volume = s.irradiance_volume(1500.0);
-        s.probe(volume);
+        s.probe(volume.clone());
+        // Bright up to its faces.
+        s.spawn((
+            LightProbe {
+                falloff: Vec3::ZERO,
+            },
+            IrradianceVolume {
+                intensity: 6000.0,
+                ..volume
+            },
+            Transform::from_xyz(0.5, 0.5, 0.0).with_scale(Vec3::new(3.0, 1.6, 3.0)),
+        ));
         s.default_camera(());
     }),
     Scene::new("fog_linear", |s| {
