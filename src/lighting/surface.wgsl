@@ -96,26 +96,18 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
 /// Further from any surface than the tap on the other side can be, so that the other side is chosen.
 const OUTSIDE: f32 = 1e9;
-/// Cosine of the largest angle by which normal maps turn normals.
-const LEAST_AGREEMENT: f32 = 0.25;
+/// Largest change of depth's slope from one pixel to the next on one surface, over the slope.
+const LARGEST_BEND: f32 = 0.25;
+/// Rounding of depth, relative to it.
+const DEPTH_ROUNDING: f32 = 1e-6;
 
-/// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
-fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
-    // The camera may be scaled: normals transform by the inverse transpose.
-    return normalize((vec4(view_geometric_normal(pixel, depth), 0.0) * view.view_from_world).xyz);
-}
-
-/// Normal for the bias of shadow maps where the shading normal `N` is not the mesh's: that of the surface, limited to the angle from
-/// `N` by which a map may turn it. Depth is unreliable for parts that are one pixel high.
-fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
-    let normal = world_geometric_normal(pixel, depth);
-    let cosine = dot(normal, N);
-    if cosine >= LEAST_AGREEMENT {
-        return normal;
-    }
-    let across = normal - cosine * N;
-    let sine = sqrt(1.0 - LEAST_AGREEMENT * LEAST_AGREEMENT);
-    return LEAST_AGREEMENT * N + sine * across * inverseSqrt(max(dot(across, across), 1e-20));
+/// Neighbours of a pixel on its surface, one on each axis.
+struct Neighbours {
+    /// -1 for the left and upper one, 1 for the others.
+    sides: vec2<f32>,
+    depths: vec2<f32>,
+    /// False where the surface is one or two pixels wide, or bends.
+    are_on_surface: bool,
 }
 
 /// Depth at `pixel`; `OUTSIDE` beyond the viewport.
@@ -127,19 +119,48 @@ fn depth_at(pixel: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, pixel, 0);
 }
 
-fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+fn neighbours_of(pixel: vec2<i32>, depth: f32) -> Neighbours {
     let x = vec2(1, 0);
     let y = vec2(0, 1);
-    let left = depth_at(pixel - x);
-    let right = depth_at(pixel + x);
-    let top = depth_at(pixel - y);
-    let bottom = depth_at(pixel + y);
-    let h = straighter_side(depth, left, depth_at(pixel - 2 * x), right, depth_at(pixel + 2 * x));
-    let v = straighter_side(depth, top, depth_at(pixel - 2 * y), bottom, depth_at(pixel + 2 * y));
-    let beside = select(left, right, h > 0.0);
-    let below = select(top, bottom, v > 0.0);
+    // Left and upper, right and lower.
+    let near_a = vec2(depth_at(pixel - x), depth_at(pixel - y));
+    let near_b = vec2(depth_at(pixel + x), depth_at(pixel + y));
+    let far_a = vec2(depth_at(pixel - 2 * x), depth_at(pixel - 2 * y));
+    let far_b = vec2(depth_at(pixel + 2 * x), depth_at(pixel + 2 * y));
+    var found: Neighbours;
+    found.sides = vec2(
+        straighter_side(depth, near_a.x, far_a.x, near_b.x, far_b.x),
+        straighter_side(depth, near_a.y, far_a.y, near_b.y, far_b.y),
+    );
+    let is_after = found.sides > vec2(0.0);
+    found.depths = select(near_a, near_b, is_after);
+    let bends = abs(2.0 * found.depths - select(far_a, far_b, is_after) - depth);
+    found.are_on_surface = all(bends <= LARGEST_BEND * abs(found.depths - depth) + DEPTH_ROUNDING * depth);
+    return found;
+}
+
+/// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.
+fn world_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
+    return normal_among(pixel, depth, neighbours_of(pixel, depth));
+}
+
+fn normal_among(pixel: vec2<i32>, depth: f32, found: Neighbours) -> vec3<f32> {
+    // The camera may be scaled: normals transform by the inverse transpose.
+    return normalize((vec4(view_normal_among(pixel, depth, found), 0.0) * view.view_from_world).xyz);
+}
+
+/// Normal for the bias of shadow maps where the shading normal `N` is not the mesh's: that of the surface in depth, if that shows it.
+fn shadow_normal(pixel: vec2<i32>, depth: f32, N: vec3<f32>) -> vec3<f32> {
+    let found = neighbours_of(pixel, depth);
+    if !found.are_on_surface {
+        return N;
+    }
+    return normal_among(pixel, depth, found);
+}
+
+fn view_normal_among(pixel: vec2<i32>, depth: f32, found: Neighbours) -> vec3<f32> {
 #ifdef PROJECTION_IS_AFFINE
-    let slope = vec2(depth_slope(depth, beside, h), depth_slope(depth, below, v));
+    let slope = select((found.depths - depth) * found.sides, vec2(0.0), found.depths == vec2(OUTSIDE));
     let viewport = view.main_pass_viewport;
     let ndc = ndc_of_fragment(vec2<f32>(pixel) + 0.5, viewport);
     let per_ndc = slope * viewport.zw * vec2(0.5, -0.5);
@@ -147,20 +168,16 @@ fn view_geometric_normal(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
     return normal_from_slope(m, ray_at(m, ndc), depth, per_ndc / vec2(m[0][0], m[1][1]));
 #else
     let position = position_at(pixel, depth);
+    let sides = vec2<i32>(found.sides);
     let n = normal_from_positions(
         position,
-        position_at(pixel + i32(h) * x, beside), h,
-        position_at(pixel + i32(v) * y, below), v,
+        position_at(pixel + vec2(sides.x, 0), found.depths.x), found.sides.x,
+        position_at(pixel + vec2(0, sides.y), found.depths.y), found.sides.y,
     );
     // A mirrored projection reverses the order of the taps, and thus the normal.
     let to_viewer = select(-position, vec3(0.0, 0.0, 1.0), view.clip_from_view[3].w == 1.0);
     return select(n, -n, dot(n, to_viewer) < 0.0);
 #endif
-}
-
-/// Depth slope per pixel, towards larger coordinates; 0 where the viewport is one pixel wide.
-fn depth_slope(depth: f32, other: f32, side: f32) -> f32 {
-    return select((other - depth) * side, 0.0, other == OUTSIDE);
 }
 #endif  // GEOMETRIC_NORMAL
 
