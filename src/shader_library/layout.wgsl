@@ -10,9 +10,13 @@
 #define_import_path bevy_lean_deferred::gbuffer::layout
 
 const ALBEDO_MAX: f32 = 127.0;
+/// Largest albedo with exponent 1: halfway between codes 73 and 74 of exponent 0, so that what is brighter is not stored darker.
+const ALBEDO_LIMIT: f32 = 5402.25 / 16129.0;
 const METALLIC_MAX: f32 = 20.0;
-/// Codes of occlusion for a metallic of 0, and for 1.
-const PURE_CODES: u32 = 56u;
+/// Codes of occlusion for a metallic of 0.
+const DIELECTRIC_CODES: u32 = 72u;
+/// Codes of occlusion for a metallic of 1.
+const METAL_CODES: u32 = 40u;
 /// Codes of occlusion for each other metallic.
 const MIXED_CODES: u32 = 12u;
 /// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
@@ -87,12 +91,12 @@ fn quantize_roots(color: vec3<f32>, steps: vec3<f32>) -> vec3<u32> {
 /// square roots may not.
 fn albedo_exponent(albedo: vec3<f32>) -> u32 {
     let largest = max(albedo.r, max(albedo.g, albedo.b));
-    return u32(largest <= 0.25) + u32(largest <= 0.0625);
+    return u32(largest <= ALBEDO_LIMIT) + u32(largest <= 0.25 * ALBEDO_LIMIT);
 }
 
-/// Factor of albedo with this exponent: 1, 4 or 16.
-fn albedo_scale(exponent: u32) -> f32 {
-    return f32(1u << (2u * exponent));
+/// Largest albedo with this exponent: 1, about 1/3 and 1/12.
+fn albedo_limit(exponent: u32) -> f32 {
+    return select(1.0, select(ALBEDO_LIMIT, 0.25 * ALBEDO_LIMIT, exponent > 1u), exponent > 0u);
 }
 
 /// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
@@ -101,7 +105,10 @@ fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
     if m > 0u && m < u32(METALLIC_MAX) {
         return FIRST_MIXED + (m - 1u) * MIXED_CODES + quantize(occlusion, f32(MIXED_CODES - 1u));
     }
-    return select(0u, PURE_CODES, m > 0u) + quantize(occlusion, f32(PURE_CODES - 1u));
+    if m > 0u {
+        return DIELECTRIC_CODES + quantize(occlusion, f32(METAL_CODES - 1u));
+    }
+    return quantize(occlusion, f32(DIELECTRIC_CODES - 1u));
 }
 
 /// Packs word 0. A colour with a NaN becomes black.
@@ -110,7 +117,7 @@ fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_norma
     let is_number = !is_nan(albedo.r + albedo.g + albedo.b);
     let valid = select(vec3(0.0), clamp(albedo, vec3(0.0), vec3(1.0)), is_number);
     let exponent = albedo_exponent(valid);
-    let rgb = vec3<u32>(sqrt(valid * albedo_scale(exponent)) * ALBEDO_MAX + 0.5);
+    let rgb = vec3<u32>(sqrt(valid / albedo_limit(exponent)) * ALBEDO_MAX + 0.5);
     let rest = exponent * METALLIC_AND_OCCLUSION_CODES + pack_metallic_and_occlusion(metallic, occlusion);
     return rgb.r | (rgb.g << 7u) | (rgb.b << 14u) | (rest << 21u) | select(0u, MESH_NORMAL_BIT, has_mesh_normal);
 }
@@ -118,7 +125,7 @@ fn pack_surface(albedo: vec3<f32>, metallic: f32, occlusion: f32, has_mesh_norma
 fn unpack_albedo(word: u32) -> vec3<f32> {
     let codes = vec3(word & 0x7fu, (word >> 7u) & 0x7fu, (word >> 14u) & 0x7fu);
     let root = vec3<f32>(codes) / ALBEDO_MAX;
-    return root * root / albedo_scale(((word >> 21u) & 0x3ffu) / METALLIC_AND_OCCLUSION_CODES);
+    return root * root * albedo_limit(((word >> 21u) & 0x3ffu) / METALLIC_AND_OCCLUSION_CODES);
 }
 
 /// Code of `pack_metallic_and_occlusion`.
@@ -129,15 +136,18 @@ fn metallic_and_occlusion(word: u32) -> u32 {
 fn unpack_metallic(word: u32) -> f32 {
     let code = metallic_and_occlusion(word);
     if code < FIRST_MIXED {
-        return f32(code >= PURE_CODES);
+        return f32(code >= DIELECTRIC_CODES);
     }
     return f32((code - FIRST_MIXED) / MIXED_CODES + 1u) / METALLIC_MAX;
 }
 
 fn unpack_occlusion(word: u32) -> f32 {
     let code = metallic_and_occlusion(word);
+    if code < DIELECTRIC_CODES {
+        return f32(code) / f32(DIELECTRIC_CODES - 1u);
+    }
     if code < FIRST_MIXED {
-        return f32(code % PURE_CODES) / f32(PURE_CODES - 1u);
+        return f32(code - DIELECTRIC_CODES) / f32(METAL_CODES - 1u);
     }
     return f32((code - FIRST_MIXED) % MIXED_CODES) / f32(MIXED_CODES - 1u);
 }

@@ -8,7 +8,7 @@ use bevy::math::Vec3;
 use kit::{
     compute::{Compute, Kernel},
     random::Random,
-    reference::shader_library::layout::{self, NO_GEOMETRY, NORMAL_STEPS, Surface},
+    reference::shader_library::layout::{self, ALBEDO_LIMIT, NO_GEOMETRY, NORMAL_STEPS, Surface},
     shipped_wgsl,
     wgsl::WgslModule,
 };
@@ -20,8 +20,8 @@ const FIELDS: usize = 10;
 /// Largest codes of an albedo channel, of its exponent, of metallic, and of metallic and occlusion.
 const ALBEDO_CODE_MAX: u32 = 127;
 const EXPONENT_MAX: u32 = 2;
-/// The largest code of a channel of albedo that has a larger exponent.
-const DARK_CODE_MAX: u32 = 63;
+/// Largest code with each exponent of an albedo that has a larger exponent.
+const DARK_CODE_MAX: [u32; 3] = [73, 63, 0];
 const METALLIC_CODE_MAX: u32 = 20;
 const METALLIC_AND_OCCLUSION_MAX: u32 = 339;
 /// Largest code of an octahedral axis; the least is 1.
@@ -96,7 +96,7 @@ fn surface(fields: [f32; FIELDS]) -> Surface {
 
 /// A surface word as packing makes it, with the exponent that its colour requires.
 fn surface_word([r, g, b]: [u32; 3], exponent: u32, metallic_and_occlusion: u32) -> u32 {
-    let is_dark = r.max(g).max(b) <= DARK_CODE_MAX;
+    let is_dark = r.max(g).max(b) <= DARK_CODE_MAX[exponent as usize];
     let exponent = if is_dark { EXPONENT_MAX } else { exponent };
     // Every other code of red marks the mesh's normal.
     let flag = r % 2;
@@ -109,7 +109,8 @@ fn surface_codes(word: u32) -> [u32; 7] {
     let rest = (word >> 21) & 0x3ff;
     let (metallic, occlusion) = match rest % (METALLIC_AND_OCCLUSION_MAX + 1) {
         code @ 112.. => ((code - 112) / 12 + 1, (code - 112) % 12),
-        code => (code / 56 * METALLIC_CODE_MAX, code % 56),
+        code @ 72.. => (METALLIC_CODE_MAX, code - 72),
+        code => (0, code),
     };
     [
         word & 0x7f,
@@ -124,10 +125,10 @@ fn surface_codes(word: u32) -> [u32; 7] {
 
 /// Largest code of occlusion beside this code of metallic.
 fn occlusion_code_max(metallic: u32) -> u32 {
-    if metallic == 0 || metallic == METALLIC_CODE_MAX {
-        55
-    } else {
-        15
+    match metallic {
+        0 => 71,
+        METALLIC_CODE_MAX => 39,
+        _ => 11,
     }
 }
 
@@ -355,7 +356,7 @@ fn device_and_twin_pack_alike() {
     );
 }
 
-/// Black, white, a 4th and a 16th of it, and the most common values of materials are stored exactly; grey gets no tint.
+/// Black, white, the largest albedo with each exponent, and the most common values of materials are stored exactly; grey gets no tint.
 #[test]
 fn common_values_are_exact() {
     let stored = |albedo: Vec3, metallic, occlusion| {
@@ -366,7 +367,7 @@ fn common_values_are_exact() {
             layout::unpack_occlusion(word),
         )
     };
-    for albedo in [0.0, 1.0, 0.25, 0.0625] {
+    for albedo in [0.0, 1.0, ALBEDO_LIMIT, 0.25 * ALBEDO_LIMIT] {
         for channels in [Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z] {
             let albedo = albedo * channels;
             assert_eq!(stored(albedo, 0.0, 1.0), (albedo, 0.0, 1.0));
@@ -401,7 +402,7 @@ fn dark_albedo_is_as_fine_as_bright() {
         "albedo from 1/256 up: steps of {:.2}%",
         100.0 * largest_step
     );
-    assert!(largest_step < 0.065);
+    assert!(largest_step < 0.076);
 }
 
 #[test]

@@ -116,11 +116,13 @@ fn packed_albedo_errors(values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// Errors of grey: the exponent of other colours follows their brightest channel.
 #[test]
 fn packed_albedo_is_as_exact_as_documented() {
+    let third = f64::from(layout::ALBEDO_LIMIT);
+    let twelfth = 0.25 * third;
     let ranges = [
-        ("all", 0.0, 1.0, [0.407, 0.990]),
-        ("above 1/4", 0.25, 1.0, [0.538, 0.990]),
-        ("1/16 to 1/4", 0.0625, 0.25, [0.302, 0.556]),
-        ("to 1/16", 0.0, 0.0625, [0.174, 0.360]),
+        ("all", 0.0, 1.0, [0.395, 0.966]),
+        ("above 1/3", third, 1.0, [0.532, 0.966]),
+        ("1/12 to 1/3", twelfth, third, [0.341, 0.626]),
+        ("to 1/12", 0.0, twelfth, [0.199, 0.414]),
     ];
     for (name, from, to, documented) in ranges {
         let [from, to] = [from, to].map(SRGB.encode);

@@ -1,7 +1,7 @@
 //! Tells differences between device and twin that are only rounding between two codes from others.
 
 use bevy::math::{DVec2, DVec3, Vec3};
-use kit::reference::shader_library::layout::{NORMAL_STEPS, Surface, albedo_scale};
+use kit::reference::shader_library::layout::{NORMAL_STEPS, Surface, albedo_limit};
 
 use super::{
     ALBEDO_CODE_MAX, METALLIC_CODE_MAX, accuracy::direction_from_octahedral, normal_codes,
@@ -42,8 +42,8 @@ pub fn differences(
 ) -> Vec<String> {
     let codes = [device, twin].map(|words| surface_codes(words[0]));
     // The exponent is chosen by comparisons, so it has no ties.
-    let scale = f64::from(albedo_scale(codes[1][3]));
-    let root = |x: f32| (scale * f64::from(x).clamp(0.0, 1.0)).sqrt();
+    let limit = f64::from(albedo_limit(codes[1][3]));
+    let root = |x: f32| (f64::from(x).clamp(0.0, 1.0) / limit).sqrt();
     let values = [
         (root(input.albedo.x), ALBEDO_CODE_MAX),
         (root(input.albedo.y), ALBEDO_CODE_MAX),

@@ -75,7 +75,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("shader_library/distance_fog.wgsl": distance_fog::{CLEAR, LINEAR, EXPONENTIAL, LEAST_TRANSMITTANCE});
     constants!("shader_library/ggx.wgsl": ggx::{LEAST_SPREAD});
     constants!("shader_library/layout.wgsl": layout::{
-        ALBEDO_MAX, METALLIC_MAX, PURE_CODES, MIXED_CODES, FIRST_MIXED, METALLIC_AND_OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY,
+        ALBEDO_MAX, ALBEDO_LIMIT, METALLIC_MAX, DIELECTRIC_CODES, METAL_CODES, MIXED_CODES, FIRST_MIXED, METALLIC_AND_OCCLUSION_CODES, MESH_NORMAL_BIT, ROUGHNESS_MAX, NORMAL_STEPS, HALF_STEPS, NO_GEOMETRY,
         LIGHTMAP_BITS, LIGHTMAP_INCIDENT, LIGHTMAP_REFLECTED
     });
     constants!("shader_library/layout/light.wgsl": light::{LARGEST_LIGHT});

@@ -10,10 +10,14 @@ use bevy_lean_deferred::shader_library::layout::quantize;
 
 /// Largest code of an albedo channel.
 pub const ALBEDO_MAX: f32 = 127.0;
+/// Largest albedo with exponent 1: halfway between codes 73 and 74 of exponent 0, so that what is brighter is not stored darker.
+pub const ALBEDO_LIMIT: f32 = 5402.25 / 16129.0;
 /// Largest code of metallic.
 pub const METALLIC_MAX: f32 = 20.0;
-/// Codes of occlusion for a metallic of 0, and for 1.
-pub const PURE_CODES: u32 = 56;
+/// Codes of occlusion for a metallic of 0.
+pub const DIELECTRIC_CODES: u32 = 72;
+/// Codes of occlusion for a metallic of 1.
+pub const METAL_CODES: u32 = 40;
 /// Codes of occlusion for each other metallic.
 pub const MIXED_CODES: u32 = 12;
 /// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
@@ -58,20 +62,24 @@ pub struct Surface {
 /// may not.
 pub fn albedo_exponent(albedo: Vec3) -> u32 {
     let largest = albedo.max_element();
-    u32::from(largest <= 0.25) + u32::from(largest <= 0.0625)
+    u32::from(largest <= ALBEDO_LIMIT) + u32::from(largest <= 0.25 * ALBEDO_LIMIT)
 }
 
-/// Factor on albedo of this exponent: 1, 4 or 16.
-pub fn albedo_scale(exponent: u32) -> f32 {
-    (1u32 << (2 * exponent)) as f32
+/// Largest albedo with this exponent: 1, about 1/3 and 1/12.
+pub fn albedo_limit(exponent: u32) -> f32 {
+    match exponent {
+        0 => 1.0,
+        1 => ALBEDO_LIMIT,
+        _ => 0.25 * ALBEDO_LIMIT,
+    }
 }
 
 /// Code of both. Few materials have a metallic other than 0 and 1, so these two get most of the codes of occlusion.
 fn pack_metallic_and_occlusion(metallic: f32, occlusion: f32) -> u32 {
     let occlusion_of = |codes: u32| quantize(occlusion, (codes - 1) as f32);
     match quantize(metallic, METALLIC_MAX) {
-        0 => occlusion_of(PURE_CODES),
-        m if m == METALLIC_MAX as u32 => PURE_CODES + occlusion_of(PURE_CODES),
+        0 => occlusion_of(DIELECTRIC_CODES),
+        m if m == METALLIC_MAX as u32 => DIELECTRIC_CODES + occlusion_of(METAL_CODES),
         m => FIRST_MIXED + (m - 1) * MIXED_CODES + occlusion_of(MIXED_CODES),
     }
 }
@@ -84,7 +92,7 @@ pub fn pack_surface(albedo: Vec3, metallic: f32, occlusion: f32, has_mesh_normal
         albedo.clamp(Vec3::ZERO, Vec3::ONE)
     };
     let exponent = albedo_exponent(valid);
-    let scaled = (valid * albedo_scale(exponent)).to_array();
+    let scaled = (valid / albedo_limit(exponent)).to_array();
     let [r, g, b] = scaled.map(|x| (x.sqrt() * ALBEDO_MAX + 0.5) as u32);
     let mesh_normal = if has_mesh_normal { MESH_NORMAL_BIT } else { 0 };
     let both = pack_metallic_and_occlusion(metallic, occlusion);
@@ -100,7 +108,7 @@ pub fn unpack_albedo(word: u32) -> Vec3 {
         ((word >> 14) & 0x7f) as f32,
     );
     let root = codes / ALBEDO_MAX;
-    root * root / albedo_scale(((word >> 21) & 0x3ff) / METALLIC_AND_OCCLUSION_CODES)
+    root * root * albedo_limit(((word >> 21) & 0x3ff) / METALLIC_AND_OCCLUSION_CODES)
 }
 
 /// Code of [`pack_metallic_and_occlusion`].
@@ -112,7 +120,7 @@ fn metallic_and_occlusion(word: u32) -> u32 {
 pub fn unpack_metallic(word: u32) -> f32 {
     match metallic_and_occlusion(word) {
         code @ FIRST_MIXED.. => ((code - FIRST_MIXED) / MIXED_CODES + 1) as f32 / METALLIC_MAX,
-        code => f32::from(u8::from(code >= PURE_CODES)),
+        code => f32::from(u8::from(code >= DIELECTRIC_CODES)),
     }
 }
 
@@ -122,7 +130,8 @@ pub fn unpack_occlusion(word: u32) -> f32 {
         code @ FIRST_MIXED.. => {
             ((code - FIRST_MIXED) % MIXED_CODES) as f32 / (MIXED_CODES - 1) as f32
         }
-        code => (code % PURE_CODES) as f32 / (PURE_CODES - 1) as f32,
+        code @ DIELECTRIC_CODES.. => (code - DIELECTRIC_CODES) as f32 / (METAL_CODES - 1) as f32,
+        code => code as f32 / (DIELECTRIC_CODES - 1) as f32,
     }
 }
 
