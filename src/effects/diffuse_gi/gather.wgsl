@@ -119,16 +119,16 @@ struct Side {
 }
 
 /// `height_of` the surface of this depth, `texels` from the receiver, continued by half of the `gap` to the next sample: the surface
-/// ends somewhere between the two. Two depths define a plane, because depth is affine on screen. `edge`: depth step that separates
-/// neighbouring texels.
+/// ends somewhere between the two. Two depths define a plane, because depth is affine on screen. Steep surfaces are continued less: at
+/// its limb a ball ends. `edge`: depth step that separates neighbouring texels.
 fn height_further_out(receiver: Receiver, side: Side, texels: vec2<f32>, depth: f32, edge: f32, gap: f32) -> f32 {
     let step = round(side.direction);
     let place = place_after(receiver.texel, texels + step);
     let inside = clamp(place, vec2(0), vec2<i32>(view.texture_size) - 1);
     let beside = unpack_depth(textureLoad(levels, inside, 0).r);
     let slope = beside - depth;
-    let is_surface = beside > 0.0 && abs(slope) < edge;
-    let way = select(0.0, 0.5 * gap, is_surface);
+    let share = select(0.0, saturate(1.5 - 2.0 * abs(slope) / edge), beside > 0.0);
+    let way = 0.5 * gap * share;
     return height_of(receiver, side.base, texels + step * way, max(depth + slope * way, 0.5 * depth));
 }
 
