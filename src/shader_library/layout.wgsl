@@ -20,7 +20,7 @@ const METAL_CODES: u32 = 40u;
 /// Codes of occlusion for each other metallic.
 const MIXED_CODES: u32 = 12u;
 /// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
-const FIRST_MIXED: u32 = 112u;
+const FIRST_MIXED: u32 = DIELECTRIC_CODES + METAL_CODES;
 /// Codes of metallic and occlusion for each exponent of albedo.
 const METALLIC_AND_OCCLUSION_CODES: u32 = 340u;
 /// Bit of word 0.

@@ -76,8 +76,8 @@ pub enum DebugView {
     Normal,
     /// Perceptual roughness, grey, 0 to 1.
     Roughness,
-    /// World-space normal reconstructed from depth, `n / 2 + 1/2`. Shadow bias uses it at pixels whose shading normal
-    /// comes from a normal map; elsewhere the shading normal is exact.
+    /// World-space normal reconstructed from depth, `n / 2 + 1/2`. Shadow bias uses it where a normal map turns the
+    /// shading normal far from the mesh's, except on parts one or two pixels wide.
     GeometricNormal,
     /// Distance along the view axis, grey: `1 / (1 + metres)`.
     Depth,

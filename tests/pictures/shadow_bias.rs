@@ -48,53 +48,52 @@ fn crossed_quads() -> Mesh {
     mesh
 }
 
+/// Crossed leaves in the sun, or under a lamp.
+fn foliage(s: &mut SceneBuilder, in_the_sun: bool) {
+    s.floor();
+    let leaves = s.image(64, TextureFormat::Rgba8UnormSrgb, |u, v| {
+        let leaf = (u * 37.0).sin() * (v * 29.0 + u * 11.0).cos();
+        [60, 140, 40, if leaf > 0.1 { 255 } else { 0 }]
+    });
+    let mesh = s.add::<Mesh>(crossed_quads());
+    let material = s.add::<StandardMaterial>(StandardMaterial {
+        base_color_texture: Some(leaves),
+        alpha_mode: AlphaMode::Mask(0.5),
+        double_sided: true,
+        cull_mode: None,
+        perceptual_roughness: 0.9,
+        ..default()
+    });
+    for i in 0..40 {
+        let (x, z) = ((i % 8) as f32 - 3.5, (i / 8) as f32 - 2.5);
+        s.spawn((
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(material.clone()),
+            Transform::from_xyz(0.8 * x, 0.5, 0.9 * z)
+                .with_rotation(Quat::from_rotation_y(i as f32)),
+        ));
+    }
+    if in_the_sun {
+        sun(s);
+    } else {
+        s.spawn((
+            PointLight {
+                intensity: 400_000.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            Transform::from_xyz(1.5, 3.0, 2.5),
+        ));
+    }
+}
+
 #[test]
 fn foliage_has_the_shadows_of_forward() {
     in_own_process(|| {
         let headless = &mut Headless::new(SIZE);
         report([true, false].map(|in_the_sun| {
-            check(
-                headless,
-                &format!("foliage_{in_the_sun}"),
-                LEAST_PSNR,
-                |s| {
-                    s.floor();
-                    let leaves = s.image(64, TextureFormat::Rgba8UnormSrgb, |u, v| {
-                        let leaf = (u * 37.0).sin() * (v * 29.0 + u * 11.0).cos();
-                        [60, 140, 40, if leaf > 0.1 { 255 } else { 0 }]
-                    });
-                    let mesh = s.add::<Mesh>(crossed_quads());
-                    let material = s.add::<StandardMaterial>(StandardMaterial {
-                        base_color_texture: Some(leaves),
-                        alpha_mode: AlphaMode::Mask(0.5),
-                        double_sided: true,
-                        cull_mode: None,
-                        perceptual_roughness: 0.9,
-                        ..default()
-                    });
-                    for i in 0..40 {
-                        let (x, z) = ((i % 8) as f32 - 3.5, (i / 8) as f32 - 2.5);
-                        s.spawn((
-                            Mesh3d(mesh.clone()),
-                            MeshMaterial3d(material.clone()),
-                            Transform::from_xyz(0.8 * x, 0.5, 0.9 * z)
-                                .with_rotation(Quat::from_rotation_y(i as f32)),
-                        ));
-                    }
-                    if in_the_sun {
-                        sun(s);
-                    } else {
-                        s.spawn((
-                            PointLight {
-                                intensity: 400_000.0,
-                                shadow_maps_enabled: true,
-                                ..default()
-                            },
-                            Transform::from_xyz(1.5, 3.0, 2.5),
-                        ));
-                    }
-                },
-            )
+            let name = format!("foliage_{in_the_sun}");
+            check(headless, &name, LEAST_PSNR, |s| foliage(s, in_the_sun))
         }));
     });
 }

@@ -248,7 +248,7 @@ impl SceneBuilder<'_> {
         })
     }
 
-    /// A cube map with one colour per face, brighter upwards. Each mip level halves what differs between faces.
+    /// A cube map with one colour per face, brighter upwards. Each mip level halves their difference from grey.
     pub fn cube_map(&mut self) -> Handle<Image> {
         const FACES: [[f32; 3]; 6] = [
             [0.9, 0.5, 0.4],
@@ -258,7 +258,7 @@ impl SceneBuilder<'_> {
             [0.5, 0.9, 0.5],
             [0.8, 0.7, 0.4],
         ];
-        const MEAN: [f32; 3] = [0.6, 0.6, 0.58];
+        const GREY: [f32; 3] = [0.6, 0.6, 0.58];
         let size = 8u32;
         let levels = size.ilog2() + 1;
         let mut data = Vec::new();
@@ -268,7 +268,7 @@ impl SceneBuilder<'_> {
                 let contrast = 0.5f32.powi(level as i32);
                 for i in 0..size * size {
                     let shade = 0.7 + 0.3 * (i / size) as f32 / size as f32;
-                    let channel = |i: usize| MEAN[i] + (face[i] - MEAN[i]) * contrast;
+                    let channel = |i: usize| GREY[i] + (face[i] - GREY[i]) * contrast;
                     data.extend([0, 1, 2].map(|i| (channel(i) * shade * 255.0) as u8));
                     data.push(255);
                 }

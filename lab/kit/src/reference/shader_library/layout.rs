@@ -21,7 +21,7 @@ pub const METAL_CODES: u32 = 40;
 /// Codes of occlusion for each other metallic.
 pub const MIXED_CODES: u32 = 12;
 /// First code of metallic and occlusion for other metallics: after those for 0 and for 1.
-pub const FIRST_MIXED: u32 = 112;
+pub const FIRST_MIXED: u32 = DIELECTRIC_CODES + METAL_CODES;
 /// Codes of metallic and occlusion for each exponent of albedo.
 pub const METALLIC_AND_OCCLUSION_CODES: u32 = 340;
 /// Flag in word 0: the shading normal is that of the mesh.
