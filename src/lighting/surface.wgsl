@@ -96,17 +96,17 @@ fn position_at(pixel: vec2<i32>, depth: f32) -> vec3<f32> {
 #ifdef GEOMETRIC_NORMAL
 /// Further from any surface than the tap on the other side can be, so that the other side is chosen.
 const OUTSIDE: f32 = 1e9;
-/// Largest change of depth's slope from one pixel to the next on one surface, over the slope.
-const LARGEST_BEND: f32 = 0.25;
-/// Rounding of depth, relative to it.
-const DEPTH_ROUNDING: f32 = 1e-6;
+/// Largest change of depth's slope from one pixel to the next on one surface: as a share of the slope, and as the tangent of an angle by
+/// which a surface that faces the viewer turns.
+const BEND_OF_SLOPE: f32 = 0.25;
+const BEND_OF_FACING: f32 = 0.1;
 
-/// Neighbours of a pixel on its surface, one on each axis.
+/// Neighbours of a pixel, on each axis the one that is nearer to its surface.
 struct Neighbours {
     /// -1 for the left and upper one, 1 for the others.
     sides: vec2<f32>,
     depths: vec2<f32>,
-    /// False where the surface is one or two pixels wide, or bends.
+    /// False where the surface is one or two pixels wide, or bends sharply.
     are_on_surface: bool,
 }
 
@@ -135,8 +135,16 @@ fn neighbours_of(pixel: vec2<i32>, depth: f32) -> Neighbours {
     let is_after = found.sides > vec2(0.0);
     found.depths = select(near_a, near_b, is_after);
     let bends = abs(2.0 * found.depths - select(far_a, far_b, is_after) - depth);
-    found.are_on_surface = all(bends <= LARGEST_BEND * abs(found.depths - depth) + DEPTH_ROUNDING * depth);
+    let most = BEND_OF_SLOPE * abs(found.depths - depth) + BEND_OF_FACING * depth_step(depth);
+    found.are_on_surface = all(bends <= most);
     return found;
+}
+
+/// Change of depth from one pixel to the next on a surface at 45° to the view axis.
+fn depth_step(depth: f32) -> f32 {
+    let is_orthographic = view.clip_from_view[3].w == 1.0;
+    let per_pixel = 2.0 * abs(view.view_from_clip[1].y) / view.main_pass_viewport.w;
+    return per_pixel * select(depth, abs(view.clip_from_view[2].z), is_orthographic);
 }
 
 /// World-space normal of the surface at `pixel`, unit length, facing the viewer. `depth` is the pixel's.

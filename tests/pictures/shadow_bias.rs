@@ -122,7 +122,7 @@ fn faceted(s: &mut SceneBuilder, degrees: f32) -> StandardMaterial {
     }
 }
 
-/// A box and a sheet with facets, some of which face the sun.
+/// A box, a sheet and a ball with facets, some of which face the sun.
 fn facets(s: &mut SceneBuilder, degrees: f32) {
     s.floor();
     let material = faceted(s, degrees);
@@ -139,6 +139,12 @@ fn facets(s: &mut SceneBuilder, degrees: f32) {
         let mesh = mesh.with_generated_tangents().expect("it has coordinates");
         s.mesh(mesh, material.clone(), Transform::from_translation(place));
     }
+    let ball = Sphere::new(0.7)
+        .mesh()
+        .uv(64, 32)
+        .with_generated_tangents()
+        .expect("it has coordinates");
+    s.mesh(ball, material.clone(), Transform::from_xyz(0.6, 0.7, -1.0));
     sun(s);
     s.spawn((
         PointLight {
@@ -154,10 +160,11 @@ fn facets(s: &mut SceneBuilder, degrees: f32) {
 fn steep_normal_maps_are_biased_by_the_surface() {
     in_own_process(|| {
         let headless = &mut Headless::new(SIZE);
+        // Measured: 54.2 to 54.5 dB; 53.1 with shading normals where the ball faces the viewer.
         let angles = [0.0, 30.0, 45.0, 58.0, 62.0, 66.0, 70.0, 75.0, 80.0];
         report(angles.map(|degrees| {
             let name = format!("facets_{degrees}");
-            check(headless, &name, LEAST_PSNR, |s| facets(s, degrees))
+            check(headless, &name, 53.6, |s| facets(s, degrees))
         }));
     });
 }
