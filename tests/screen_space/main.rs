@@ -22,4 +22,5 @@ mod small_lamps;
 mod subsurface;
 mod subsurface_apps;
 mod subsurface_views;
+mod thin;
 mod views;

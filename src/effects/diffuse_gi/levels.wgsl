@@ -3,8 +3,8 @@
 #import bevy_lean_deferred::reconstruction::position::homogeneous_position
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
-    depth_texture, diffuse_light_texture, edge_step, last_levels, level_0, level_1, level_2, level_3, motion_texture,
-    shown_exposure, view,
+    diffuse_light_texture, edge_step, last_levels, level_0, level_1, level_2, level_3, motion_texture,
+    pixel_of, shown_exposure, view,
 }
 #import bevy_lean_deferred::effects::diffuse_gi::entry::{Entry, pack_entry, unpack_depth}
 #import bevy_lean_deferred::effects::reprojection::{filled_up, own_motion, weight_of_match}
@@ -50,13 +50,14 @@ fn tolerance_at(depth: f32) -> f32 {
 }
 
 /// Light that the last frame showed around `at`, in its pixels, on the surface whose depth was `at_rest`, `with_view`, or between
-/// the two. w: the weight, 0 to 1, with which it is that surface.
-fn light_around(at: vec2<f32>, at_rest: f32, with_view: f32, tolerance: f32) -> vec4<f32> {
+/// the two. w: the weight, 0 to 1, with which it is that surface. `corner`: pixel of this frame's texel that shows it, as that of the
+/// last frame's did.
+fn light_around(at: vec2<f32>, corner: vec2<f32>, at_rest: f32, with_view: f32, tolerance: f32) -> vec4<f32> {
     if !(all(at >= vec2(0.0)) && all(at < vec2<f32>(view.last_viewport_size))) {
         return vec4(0.0);
     }
     // Of the four texels around, the nearest one that shows the surface.
-    let texels = (at - 0.5) / f32(view.last_divisor);
+    let texels = (at - 0.5 - corner) / f32(view.last_divisor);
     let first = vec2<i32>(floor(texels + 1e-3));
     let along = texels - vec2<f32>(first);
     var best = vec2(-1);
@@ -89,6 +90,7 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec4<f32> {
     let was_in_front = last.w > 0.0;
     let at_rest = select(vec3(-1.0), last.xyz / last.w, was_in_front);
     let last_size = vec2<f32>(view.last_viewport_size);
+    let corner = vec2<f32>(pixel & vec2(min(view.divisor, view.last_divisor) - 1));
     // A surface that moves with the camera stays where it is, and keeps its depth while the projection does.
     let with_view = here / vec2<f32>(view.viewport_size) * last_size;
     var at = at_rest.xy;
@@ -102,9 +104,9 @@ fn last_light(pixel: vec2<i32>, depth: f32) -> vec4<f32> {
         tolerance = tolerance_at(depth) + edge_step(depth, own) + view.approach.x * depth + view.approach.y;
     }
     // At rest, surfaces that were behind the camera are outside of the view: `at` is negative.
-    var light = light_around(at, expected.x, expected.y, tolerance);
+    var light = light_around(at, corner, expected.x, expected.y, tolerance);
     if view.has_motion == 0u && view.carries_surfaces != 0u && light.w < 1.0 {
-        light = filled_up(light, light_around(with_view, depth, depth, tolerance_at(depth)));
+        light = filled_up(light, light_around(with_view, corner, depth, depth, tolerance_at(depth)));
     }
     return light;
 }
@@ -118,14 +120,13 @@ fn exposed(light: vec3<f32>) -> vec3<f32> {
 }
 
 fn entry_at(texel: vec2<u32>) -> Entry {
-    let pixel = vec2<i32>(texel) * view.divisor;
-    let depth = textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+    let shown = pixel_of(vec2<i32>(texel));
     var entry: Entry;
     // Sky and NaN stay 0.
-    if depth > 0.0 {
-        entry.depth = depth;
+    if shown.depth > 0.0 {
+        entry.depth = shown.depth;
         if view.exposure_ratio > 0.0 {
-            let last = last_light(pixel, depth);
+            let last = last_light(shown.place, shown.depth);
             entry.light = exposed(last.rgb);
             entry.known = last.w;
         }

@@ -3,7 +3,7 @@
 
 #import bevy_lean_deferred::distance_fog::FogUniform
 
-/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and has the depth of its first one.
+/// Pixel coordinates are relative to the viewport's corner. A texel covers a square of pixels, and shows one of them.
 struct GiUniform {
     /// From (pixel x, pixel y, depth, 1) to view space, homogeneous.
     view_from_pixel: mat4x4<f32>,

@@ -14,8 +14,9 @@
 #endif
 
 #ifdef INDIRECT_DIFFUSE
-#import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
+#import bevy_lean_deferred::lighting::bindings::{indirect_diffuse_texture, nearest_sampler}
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::shown_pixel::{ShownPixel, shown_pixel}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -91,8 +92,23 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// Interpolates the four texels around the pixel, without those that show another surface. A texel's depth is that of the first
-/// of its pixels.
+/// Depths of a texel's 2×2 pixels, row by row; 0 outside of the viewport.
+fn depths_of_texel(texel: vec2<i32>) -> vec4<f32> {
+    let pixel = 2 * texel;
+    let middle = vec2<f32>(vec2<i32>(uniforms.viewport_origin) + pixel + 1);
+    let depths = textureGather(depth_texture, nearest_sampler, middle / vec2<f32>(textureDimensions(depth_texture)));
+    let is_in_view = pixel + 1 < vec2<i32>(uniforms.viewport_size);
+    return select(vec4(0.0), depths.wzxy, vec4(true, is_in_view.x, is_in_view.y, all(is_in_view)));
+}
+
+/// Pixel that a texel shows.
+fn pixel_of(texel: vec2<i32>) -> ShownPixel {
+    let origin = vec2<i32>(uniforms.viewport_origin);
+    let size = vec2<i32>(uniforms.viewport_size);
+    return shown_pixel(depth_texture, origin, size, uniforms.edge, texel, depths_of_texel(texel));
+}
+
+/// Interpolates the four texels around the pixel, without those that show another surface.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
         flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
@@ -108,15 +124,14 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
-        let texel = first + corner;
+        let texel = clamp(first + corner, vec2(0), last);
         let near = select(vec2(0.25), vec2(0.75), (corner == vec2(1)) == is_near);
-        let pixel = 2 * texel;
-        let expected = depth + dot(slope, vec2<f32>(pixel - place));
-        let other = depth_in_view(pixel);
-        let alike = saturate(2.0 - abs(other - expected) * inverse_step);
+        let shown = pixel_of(texel);
+        let expected = depth + dot(slope, vec2<f32>(shown.place - place));
+        let alike = saturate(2.0 - abs(shown.depth - expected) * inverse_step);
         // The least weight keeps the sum valid where no texel matches.
-        let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
-        sum += weight * finite(textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0));
+        let weight = near.x * near.y * select(alike, 0.0, shown.depth == 0.0) + 1e-4;
+        sum += weight * finite(textureLoad(indirect_diffuse_texture, texel, 0));
         weights += weight;
     }
     return sum / weights;
