@@ -38,16 +38,16 @@ const OF_PATH: f32 = 0.8;
 const CARRIED_FROM: f32 = 0.25;
 const LEAST_CARRIED: f32 = 0.05;
 
-/// Limits of the difference of the last frames' lobes from this frame's lobe, relative to the mean difference of this frame's rays from
-/// it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that show something that
-/// moves on its own.
-const OF_MOVERS: f32 = 0.2;
-/// Least limit of a mirror image that moves.
-const OF_IMAGES: f32 = 0.3;
-/// Its limit if it moves by the lobe's radius; inversely proportional to its motion.
-const OF_SLOW: f32 = 0.03;
-/// From here on there is no limit.
-const UNLIMITED: f32 = 8.0;
+/// Differences of the last frames' lobes from this frame's lobe at which they weigh 1/2, relative to the mean difference of this frame's
+/// rays from it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that show something
+/// that moves on its own.
+const OF_MOVERS: f32 = 0.4;
+/// Least one of a mirror image that moves.
+const OF_IMAGES: f32 = 0.6;
+/// Its own if it moves by the lobe's radius; inversely proportional to its motion.
+const OF_SLOW: f32 = 0.06;
+/// From here on all weigh 1.
+const UNLIMITED: f32 = 16.0;
 
 /// Texels within which a place is that of a single texel. At rest all are, and each texel keeps its own directions.
 const EXACT: f32 = 1.0 / 32.0;
@@ -58,7 +58,7 @@ struct LobePlace {
     at: vec2<f32>,
     /// False if the last frame showed another surface there.
     is_known: bool,
-    /// Limit of its difference from this frame's lobe: see `OF_IMAGES`.
+    /// Difference from this frame's lobe at which it weighs 1/2: see `OF_IMAGES`.
     limit: f32,
 }
 
@@ -252,22 +252,32 @@ fn unpack_lobe(light: u32, word: u32, i: u32) -> vec4<f32> {
     return select(vec4(0.0), lobe, (word & (KNOWN << i)) != 0u);
 }
 
-/// The same, with a difference from `now` of at most `most`, summed over its components.
-fn lobe_near(light: u32, word: u32, i: u32, now: vec4<f32>, most: f32) -> vec4<f32> {
-    let lobe = unpack_lobe(light, word, i);
-    let off = abs(lobe - now);
-    let sum = off.r + off.g + off.b + off.a;
-    let is_far = sum > most && (word & (KNOWN << i)) != 0u;
-    return select(lobe, now + (lobe - now) * (most / max(sum, 1e-12)), is_far);
+/// A kept lobe and its weight.
+struct KeptLobe {
+    lobe: vec4<f32>,
+    weight: f32,
 }
 
-/// Mean of the lobes of the last frames and of this one, which `lobes` has already. Those of the last frames differ from it by at most
-/// `most`.
+/// Lobe of age `i`, times a weight of 1/2 if it differs from `now` by `most`, summed over its components. Lobes that are not known have
+/// none.
+fn kept_lobe(light: u32, word: u32, i: u32, now: vec4<f32>, most: f32) -> KeptLobe {
+    let lobe = unpack_lobe(light, word, i);
+    let off = abs(lobe - now);
+    let relative = (off.r + off.g + off.b + off.a) / max(most, 1e-12);
+    let weight = select(0.0, 1.0 / (1.0 + relative * relative), (word & (KNOWN << i)) != 0u);
+    return KeptLobe(lobe * weight, weight);
+}
+
+/// Mean of the lobes of the last frames and of this one, which `lobes` has already. Those of the last frames weigh less the more they
+/// differ from it: see `kept_lobe`.
 fn mean_lobe(last: vec4<u32>, lobes: vec4<u32>, most: f32) -> vec4<f32> {
     let now = unpack_lobe(lobes.x, lobes.w, 0u);
+    let of_now = select(0.0, 1.0, (lobes.w & KNOWN) != 0u);
+    let second = kept_lobe(lobes.y, lobes.w, 1u, now, most);
+    let third = kept_lobe(lobes.z, lobes.w, 2u, now, most);
+    let fourth = kept_lobe(last.z, last.w, 2u, now, most);
     // Phases of even and of odd frames: the sum does not depend on which of them is this frame's.
-    let even = now + lobe_near(lobes.z, lobes.w, 2u, now, most);
-    let odd = lobe_near(lobes.y, lobes.w, 1u, now, most) + lobe_near(last.z, last.w, 2u, now, most);
-    let count = countOneBits((lobes.w & (7u * KNOWN)) | ((last.w & (4u * KNOWN)) << 1u));
-    return (even + odd) / f32(max(count, 1u));
+    let sum = (now + third.lobe) + (second.lobe + fourth.lobe);
+    let weights = (of_now + third.weight) + (second.weight + fourth.weight);
+    return sum / max(weights, 1e-6);
 }

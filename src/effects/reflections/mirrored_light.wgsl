@@ -7,8 +7,15 @@
 
 /// As `last_light`, in a mirror that is `to_mirror` metres away from the viewer, and `metres` from the surface: with the fog between
 /// these two in place of the fog between surface and viewer. Lighting adds the fog in front of the mirror.
-fn mirrored_light(place: vec3<f32>, position: vec3<f32>, level: f32, to_mirror: f32, metres: f32) -> vec4<f32> {
-    let seen = last_light(place, position, level);
+fn mirrored_light(
+    place: vec3<f32>,
+    position: vec3<f32>,
+    level: f32,
+    blurs_edges: bool,
+    to_mirror: f32,
+    metres: f32,
+) -> vec4<f32> {
+    let seen = last_light(place, position, level, blurs_edges);
     if view.fog.mode == CLEAR {
         return seen;
     }

@@ -188,7 +188,7 @@ fn smooth_light(receiver: Receiver, first: i32) -> SmoothLight {
     let position = view_position(at.xy, at.z);
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
-    let light = mirrored_light(at, position, level, to_mirror, mean.x);
+    let light = mirrored_light(at, position, level, true, to_mirror, mean.x);
     let confidence = mean.y * light.w;
     return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain);
 }

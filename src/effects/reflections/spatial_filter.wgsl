@@ -2,8 +2,8 @@
 // lobe (after Stachowiak 2015, "Stochastic Screen-Space Reflections"). Weights fall off linearly, within a radius of up to four texels:
 // then the four directions along each axis weigh alike, and light moves smoothly from ray to ray. The radius is smaller where the lobe
 // is. On smooth surfaces, whose rays scatter only where the lobe is wider than two texels, the weights also follow the lobe's own shape.
-// Lobes with rays that change from frame to frame are the mean of four frames. While mirror images move, the last three are clamped to
-// the neighbourhood of this frame's.
+// Lobes with rays that change from frame to frame are the mean of four frames. While mirror images move, the last three weigh less the
+// more they differ from this frame's.
 #import bevy_lean_deferred::gbuffer::layout::{light::unpack_halves, unpack_roughness}
 #import bevy_lean_deferred::effects::reflections::bindings::{
     CHANGES, MOVES, filtered_output, lobes_output, surfaces_texture, to_viewer, unpack_begin, unpack_distance, view,
@@ -199,7 +199,7 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> Lobe 
 /// Lobes of the last frames.
 struct LastLobes {
     lobes: vec4<u32>,
-    /// Limit of their difference from this frame's lobe: see `OF_IMAGES`.
+    /// Difference from this frame's lobe at which they weigh 1/2: see `OF_IMAGES`.
     limit: f32,
 }
 
@@ -293,7 +293,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
             let bits = select(0u, KNOWN, now.is_known) | select(0u, MOVED, moves);
             lobes = with_lobe(last.lobes, lobe, bits);
             let limit = select(last.limit, OF_MOVERS, has_moved(last.lobes, lobes));
-            var most = 1e9;
+            var most = 1e30;
             if now.is_known && limit < UNLIMITED {
                 most = limit * difference_around(made, lobe);
             }

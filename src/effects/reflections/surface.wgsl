@@ -119,8 +119,8 @@ struct LastPlace {
 }
 
 /// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
-/// distances, or between the two. `level` is that of the history.
-fn kept_light(last: LastPlace, level: f32) -> vec4<f32> {
+/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too.
+fn kept_light(last: LastPlace, level: f32, blurs_edges: bool) -> vec4<f32> {
     let at = last.at;
     // Half floats have eleven significant bits.
     let tolerance = last.tolerance + 0.001 * max(abs(last.expected.x), abs(last.expected.y));
@@ -131,13 +131,15 @@ fn kept_light(last: LastPlace, level: f32) -> vec4<f32> {
     let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size) * view.metres_per_unit;
     let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
     var place = at;
+    var used_level = level;
     if level < 1.0 {
         // Interpolates within a surface, else takes the nearest texel.
         let off = abs(around - kept);
         let most = max(max(off.x, off.y), max(off.z, off.w));
         place = select(at, floor(at) + 0.5, most > tolerance);
+        used_level = select(level, 0.0, most > tolerance && !blurs_edges);
     }
-    let light = mean_light(place / view.history_size, level) * view.exposure_ratio;
+    let light = mean_light(place / view.history_size, used_level) * view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
@@ -212,20 +214,20 @@ fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
 }
 
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
-/// which that frame showed it. `level` is that of the history.
-fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32) -> vec4<f32> {
+/// which that frame showed it. `level` and `blurs_edges` are those of `kept_light`.
+fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32, blurs_edges: bool) -> vec4<f32> {
     let last = last_place(place, position);
-    var light = kept_light(last, level);
+    var light = kept_light(last, level, blurs_edges);
     if view.has_motion != 0u {
         for (var i = 0; i < STAND_INS && light.w < 1.0; i++) {
             let other = stand_in(last, place, i);
-            var found = kept_light(other, level);
+            var found = kept_light(other, level, blurs_edges);
             // At rest it is the same place.
             found.w *= saturate(other.own);
             light = filled_up(light, found);
         }
     } else if view.carries_surfaces != 0u && light.w < 1.0 {
-        light = filled_up(light, kept_light(carried_place(place, position), level));
+        light = filled_up(light, kept_light(carried_place(place, position), level, blurs_edges));
     }
     return light;
 }

@@ -180,7 +180,8 @@ fn light_at(
     // Unsigned, and the size below signed, so that they are converted here: those before the march would be in registers throughout.
     let texel_wide = min(4.0 * alpha * metres * scale_at_hit, f32(u32(view.divisor)));
     let level = 0.5 * log2(max(max(share, select(texel_wide * texel_wide, 1.0, is_rough)), 1.0));
-    let light = mirrored_light(hit.place, hit_position, level, to_mirror, metres);
+    // Rays of rough surfaces are averaged: each has the light of the surface that it hits. A smooth one's image is blurred by the lobe.
+    let light = mirrored_light(hit.place, hit_position, level, !is_rough, to_mirror, metres);
     // Lobes leave out scattered rays whose light the last frame did not show: others of the lobe stand for it better than the sky.
     let known = select(1.0, light.w, is_scattered);
     let rim = rim_fade(hit.place.xy, vec2<f32>(vec2<i32>(view.viewport_size)), view.edge_fade);
