@@ -144,18 +144,16 @@ fn push_target_entries(
     )?;
     entries.push(targets::OUTPUT_TEXTURE, output.into_binding())?;
     entries.push(targets::UNIFORMS, resources.buffers.uniforms.binding()?)?;
-    if (layouts.io).intersects(LightingIo::AMBIENT_OCCLUSION | LightingIo::INDIRECT_DIFFUSE) {
-        entries.push(
-            targets::NEAREST_SAMPLER,
-            pipelines.nearest_sampler.into_binding(),
-        )?;
-    }
     if layouts.io.contains(LightingIo::AMBIENT_OCCLUSION) {
         // Zeros mean no occlusion.
         let texture = match view.ambient_occlusion {
             Some(occlusion) => &occlusion.texture,
             None => &resources.fallback_zero.texture_view,
         };
+        entries.push(
+            targets::NEAREST_SAMPLER,
+            pipelines.nearest_sampler.into_binding(),
+        )?;
         entries.push(targets::OCCLUSION_TEXTURE, texture.into_binding())?;
     }
     let placeholders = pipelines.placeholders.as_ref();

@@ -45,10 +45,8 @@ struct LightLayersTable {
 @group(2) @binding(1) var normal_texture: texture_2d<u32>;
 @group(2) @binding(2) var output_texture: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(3) var<uniform> uniforms: LightingUniform;
-#ifdef GATHERS_DEPTH
-@group(2) @binding(4) var nearest_sampler: sampler;
-#endif
 #ifdef LEAN_AMBIENT_OCCLUSION
+@group(2) @binding(4) var nearest_sampler: sampler;
 @group(2) @binding(5) var occlusion_texture: texture_2d<f32>;
 #endif
 #ifdef GBUFFER_VALID_MASK

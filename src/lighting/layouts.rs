@@ -111,13 +111,15 @@ fn targets_layout(key: LightingKey) -> BindGroupLayoutDescriptor {
         (targets::OUTPUT_TEXTURE, output),
         (targets::UNIFORMS, uniform_buffer::<LightingUniform>(true)),
     ];
-    if (key.io).intersects(LightingIo::AMBIENT_OCCLUSION | LightingIo::INDIRECT_DIFFUSE) {
-        let nearest = sampler(SamplerBindingType::NonFiltering);
-        entries.push((targets::NEAREST_SAMPLER, nearest));
-    }
     if key.io.contains(LightingIo::AMBIENT_OCCLUSION) {
         let occlusion = texture_2d(TextureSampleType::Float { filterable: false });
-        entries.push((targets::OCCLUSION_TEXTURE, occlusion));
+        entries.extend([
+            (
+                targets::NEAREST_SAMPLER,
+                sampler(SamplerBindingType::NonFiltering),
+            ),
+            (targets::OCCLUSION_TEXTURE, occlusion),
+        ]);
     }
     if key.light_layers {
         let table = storage_buffer_read_only::<LightLayersTable>(false);

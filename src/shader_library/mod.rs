@@ -41,5 +41,4 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "reconstruction/normal.wgsl");
     load_shader_library!(app, "reconstruction/motion.wgsl");
     load_shader_library!(app, "reconstruction/normal_from_depth.wgsl");
-    load_shader_library!(app, "shown_pixel.wgsl");
 }

@@ -90,7 +90,7 @@ pub struct IndirectDiffuse {
     /// Has a float format, and is at least as large as the viewport, whose light begins in its corner.
     pub texture: Option<TextureView>,
     /// True if a texel represents 2×2 pixels, and the texture has half of that size per axis, rounded up: lighting upsamples it along
-    /// the edges in depth. A texel shows the pixel that `shown_pixel.wgsl` picks, nearly always the first.
+    /// the edges in depth. A texel shows the first of its pixels, or, if its alpha is negative, the nearest of the others.
     pub is_half: bool,
 }
 

@@ -2,7 +2,6 @@
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::bindings
 
 #import bevy_lean_deferred::effects::diffuse_gi::view::GiUniform
-#import bevy_lean_deferred::shown_pixel::{ShownPixel, place_in_texel, shown_pixel}
 
 @group(0) @binding(0) var<uniform> view: GiUniform;
 @group(0) @binding(1) var depth_texture: texture_depth_2d;
@@ -32,22 +31,4 @@
 /// Depth step that separates surfaces `pixels` apart.
 fn edge_step(depth: f32, pixels: f32) -> f32 {
     return (view.edge.x * depth + view.edge.y) * pixels;
-}
-
-/// Pixel that a texel shows.
-fn pixel_of(texel: vec2<i32>) -> ShownPixel {
-    let origin = vec2<i32>(view.viewport_origin);
-    let size = vec2<i32>(view.viewport_size);
-    let first = texel * view.divisor;
-    var block = vec4(0.0);
-    for (var i = 0; i < view.divisor * view.divisor; i++) {
-        let pixel = first + place_in_texel(i);
-        if all(pixel < size) {
-            block[i] = textureLoad(depth_texture, origin + pixel, 0);
-        }
-    }
-    if view.divisor == 1 {
-        return ShownPixel(first, block.x);
-    }
-    return shown_pixel(depth_texture, origin, size, view.edge, texel, block);
 }

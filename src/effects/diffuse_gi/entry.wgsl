@@ -1,4 +1,5 @@
-// Words of the levels: depth, the weight of what is known of a surface's light, and that light. Without bindings.
+// Words of the levels: depth, the weight of what is known of a surface's light, which pixel shows it, and that light. Without
+// bindings.
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::entry
 
 #import bevy_lean_deferred::gbuffer::layout::light::{pack_light, unpack_light}
@@ -11,20 +12,24 @@ struct Entry {
     light: vec3<f32>,
     /// Weight, 0 to 1, with which it is known.
     known: f32,
+    /// True if the texel shows another of its pixels than the first.
+    is_other: bool,
 }
 
 /// The upper three bits of depths from `FURTHEST` to 1 are 001. Words hold a weight in their place.
 const SURFACE: u32 = 0x20000000u;
 const WEIGHT_SHIFT: u32 = 29u;
 const LARGEST_WEIGHT: f32 = 7.0;
-/// Bits of the least depth: 2⁻⁶³, plus the smallest step, so that no surface has the word 0.
-const FURTHEST: u32 = 0x20000001u;
+/// Bit for another pixel than the first, in place of the last one of the depth.
+const OTHER: u32 = 1u;
+/// Bits of the least depth: 2⁻⁶³, plus two steps, so that no surface has the word 0.
+const FURTHEST: u32 = 0x20000002u;
 /// Bits of depth 1.
 const NEAREST: u32 = 0x3f800000u;
 
-/// Packs a depth, of which all bits are kept, and a weight in steps of 1/7. Depths that are not above 0 become 0.
-fn pack_depth(depth: f32, known: f32) -> u32 {
-    let bits = clamp(bitcast<u32>(depth), FURTHEST, NEAREST) ^ SURFACE;
+/// Packs a depth, of which all bits but the last are kept, and a weight in steps of 1/7. Depths that are not above 0 become 0.
+fn pack_depth(depth: f32, known: f32, is_other: bool) -> u32 {
+    let bits = ((clamp(bitcast<u32>(depth), FURTHEST, NEAREST) ^ SURFACE) & ~OTHER) | select(0u, OTHER, is_other);
     let weight = u32(saturate(known) * LARGEST_WEIGHT + 0.5);
     return select(0u, bits | (weight << WEIGHT_SHIFT), depth > 0.0);
 }
@@ -34,14 +39,18 @@ fn unpack_depth(word: u32) -> f32 {
     return select(0.0, bitcast<f32>(bits | SURFACE), word != 0u);
 }
 
+fn unpack_is_other(word: u32) -> bool {
+    return (word & OTHER) != 0u;
+}
+
 fn unpack_known(word: u32) -> f32 {
     return f32(word >> WEIGHT_SHIFT) / LARGEST_WEIGHT;
 }
 
 fn pack_entry(entry: Entry) -> vec4<u32> {
-    return vec4(pack_depth(entry.depth, entry.known), pack_light(entry.light), 0u, 0u);
+    return vec4(pack_depth(entry.depth, entry.known, entry.is_other), pack_light(entry.light), 0u, 0u);
 }
 
 fn unpack_entry(words: vec2<u32>) -> Entry {
-    return Entry(unpack_depth(words.x), unpack_light(words.y), unpack_known(words.x));
+    return Entry(unpack_depth(words.x), unpack_light(words.y), unpack_known(words.x), unpack_is_other(words.x));
 }

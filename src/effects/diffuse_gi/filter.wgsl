@@ -8,7 +8,7 @@
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     edge_step, gathered_texture, levels, output_texture, view,
 }
-#import bevy_lean_deferred::effects::diffuse_gi::entry::unpack_depth
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_is_other}
 
 /// Side of the texels of a workgroup.
 const SIDE: u32 = 16u;
@@ -45,6 +45,8 @@ const ENOUGH: f32 = 1.0 / 16.0;
 const SPREAD: f32 = 0.69;
 /// Lower bound of the variance of these distances: with 0.2, light exceeds its surroundings by 0.4% in corners.
 const LEAST_SPREAD: f32 = 0.25;
+/// Least share of the hemisphere with a sign, which tells lighting that a texel shows another of its pixels than the first.
+const LEAST_HIDDEN: f32 = 1.0 / 1024.0;
 /// Share of a texel's tolerance in depth that blocks have. They are up to eleven texels away, where the other face of an edge is still
 /// within the whole of it.
 const OF_BLOCKS: f32 = 1.0 / 8.0;
@@ -227,5 +229,9 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         found = filtered(plane, place, center);
     }
     // Clamp to the whole hemisphere.
-    textureStore(output_texture, texel, found / max(found.a, 1.0));
+    found /= max(found.a, 1.0);
+    if unpack_is_other(textureLoad(levels, texel, 0).r) {
+        found.a = -max(found.a, LEAST_HIDDEN);
+    }
+    textureStore(output_texture, texel, found);
 }

@@ -13,8 +13,8 @@
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     depth_texture, edge_step, gathered_output, levels, normal_texture, view,
 }
-#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_known}
-#import bevy_lean_deferred::shown_pixel::place_in_texel
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_is_other, unpack_known}
+#import bevy_lean_deferred::effects::diffuse_gi::shown_pixel::nearest_other
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 const SLICES: u32 = #{SLICES}u;
@@ -190,19 +190,6 @@ fn march(receiver: Receiver, side: Side, found: vec4<f32>) -> vec4<f32> {
     return sum;
 }
 
-/// Pixel that a texel of this depth shows: the one that has the depth. Nearly always that is the first.
-fn shown_pixel(texel: vec2<i32>, depth: f32) -> vec2<i32> {
-    var pixel = texel * view.divisor;
-    for (var i = 0; i < 4; i++) {
-        let place = texel * view.divisor + place_in_texel(i);
-        if textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + place, 0) == depth {
-            pixel = place;
-            break;
-        }
-    }
-    return pixel;
-}
-
 /// A texel and what was gathered there.
 struct Gathered {
     texel: vec2<i32>,
@@ -210,12 +197,16 @@ struct Gathered {
 }
 
 fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
-    let depth = unpack_depth(textureLoad(levels, texel, 0).r);
+    let shown = textureLoad(levels, texel, 0).r;
+    let depth = unpack_depth(shown);
     // Without a last frame, no light is known.
     if depth == 0.0 || view.exposure_ratio == 0.0 {
         return Gathered(texel, vec4(0.0));
     }
-    let pixel = shown_pixel(texel, depth);
+    var pixel = texel * view.divisor;
+    if unpack_is_other(shown) {
+        pixel = nearest_other(pixel).place;
+    }
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);

@@ -4,9 +4,10 @@
 #import bevy_lean_deferred::gbuffer::layout::light::unpack_light
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     diffuse_light_texture, edge_step, last_levels, level_0, level_1, level_2, level_3, motion_texture,
-    pixel_of, shown_exposure, view,
+    shown_exposure, view,
 }
 #import bevy_lean_deferred::effects::diffuse_gi::entry::{Entry, pack_entry, unpack_depth}
+#import bevy_lean_deferred::effects::diffuse_gi::shown_pixel::shown_pixel
 #import bevy_lean_deferred::effects::reprojection::{filled_up, own_motion, weight_of_match}
 #import bevy_lean_deferred::effects::shown_exposure::light_of_whites
 
@@ -120,11 +121,12 @@ fn exposed(light: vec3<f32>) -> vec3<f32> {
 }
 
 fn entry_at(texel: vec2<u32>) -> Entry {
-    let shown = pixel_of(vec2<i32>(texel));
+    let shown = shown_pixel(vec2<i32>(texel));
     var entry: Entry;
     // Sky and NaN stay 0.
     if shown.depth > 0.0 {
         entry.depth = shown.depth;
+        entry.is_other = shown.is_other;
         if view.exposure_ratio > 0.0 {
             let last = last_light(shown.place, shown.depth);
             entry.light = exposed(last.rgb);
@@ -152,7 +154,7 @@ fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, known: vec4<f3
 }
 
 fn pack(mean: Mean) -> vec4<u32> {
-    return pack_entry(Entry(mean.entry.w, mean.entry.rgb / max(mean.known, 1e-6), mean.known));
+    return pack_entry(Entry(mean.entry.w, mean.entry.rgb / max(mean.known, 1e-6), mean.known, false));
 }
 
 /// 256 invocations make 16×16 texels and the coarser levels above them.

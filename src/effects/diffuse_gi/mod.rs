@@ -98,6 +98,7 @@ impl Plugin for LeanScreenSpaceGiPlugin {
         load_shader_library!(app, "view.wgsl");
         load_shader_library!(app, "entry.wgsl");
         load_shader_library!(app, "bindings.wgsl");
+        load_shader_library!(app, "shown_pixel.wgsl");
         embedded_asset!(app, "levels.wgsl");
         embedded_asset!(app, "gather.wgsl");
         embedded_asset!(app, "filter.wgsl");

@@ -14,9 +14,8 @@
 #endif
 
 #ifdef INDIRECT_DIFFUSE
-#import bevy_lean_deferred::lighting::bindings::{indirect_diffuse_texture, nearest_sampler}
+#import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
-#import bevy_lean_deferred::shown_pixel::{ShownPixel, shown_pixel}
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -92,23 +91,18 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// Depths of a texel's 2×2 pixels, row by row; 0 outside of the viewport.
-fn depths_of_texel(texel: vec2<i32>) -> vec4<f32> {
-    let pixel = 2 * texel;
-    let middle = vec2<f32>(vec2<i32>(uniforms.viewport_origin) + pixel + 1);
-    let depths = textureGather(depth_texture, nearest_sampler, middle / vec2<f32>(textureDimensions(depth_texture)));
-    let is_in_view = pixel + 1 < vec2<i32>(uniforms.viewport_size);
-    return select(vec4(0.0), depths.wzxy, vec4(true, is_in_view.x, is_in_view.y, all(is_in_view)));
+/// The nearest pixel of a texel beside its first one.
+fn nearest_other(first: vec2<i32>) -> vec2<i32> {
+    let last = vec2<i32>(uniforms.viewport_size) - 1;
+    let right = select(0.0, depth_in_view(first + vec2(1, 0)), first.x < last.x);
+    let below = select(0.0, depth_in_view(first + vec2(0, 1)), first.y < last.y);
+    let both = select(0.0, depth_in_view(first + 1), all(first < last));
+    let depth = max(max(right, below), both);
+    return first + select(select(vec2(1), vec2(0, 1), below == depth), vec2(1, 0), right == depth);
 }
 
-/// Pixel that a texel shows.
-fn pixel_of(texel: vec2<i32>) -> ShownPixel {
-    let origin = vec2<i32>(uniforms.viewport_origin);
-    let size = vec2<i32>(uniforms.viewport_size);
-    return shown_pixel(depth_texture, origin, size, uniforms.edge, texel, depths_of_texel(texel));
-}
-
-/// Interpolates the four texels around the pixel, without those that show another surface.
+/// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its pixels, or, if
+/// its alpha is negative, the nearest of the others.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
         flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
@@ -120,18 +114,31 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let is_near = (place & vec2(1)) == vec2(0);
     // The texture may be larger.
     let last = vec2<i32>(uniforms.viewport_size + 1u) / 2 - 1;
+    // All reads are issued before the first is used.
+    var lights: array<vec4<f32>, 4>;
+    var depths: vec4<f32>;
+    for (var i = 0; i < 4; i++) {
+        let texel = first + vec2(i & 1, i >> 1u);
+        lights[i] = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
+        depths[i] = depth_in_view(2 * texel);
+    }
     var sum = vec4(0.0);
     var weights = 0.0;
     for (var i = 0; i < 4; i++) {
         let corner = vec2(i & 1, i >> 1u);
-        let texel = clamp(first + corner, vec2(0), last);
         let near = select(vec2(0.25), vec2(0.75), (corner == vec2(1)) == is_near);
-        let shown = pixel_of(texel);
-        let expected = depth + dot(slope, vec2<f32>(shown.place - place));
-        let alike = saturate(2.0 - abs(shown.depth - expected) * inverse_step);
+        let light = lights[i];
+        var pixel = 2 * (first + corner);
+        var other = depths[i];
+        if light.a < 0.0 {
+            pixel = nearest_other(clamp(pixel, vec2(0), 2 * last));
+            other = depth_in_view(pixel);
+        }
+        let expected = depth + dot(slope, vec2<f32>(pixel - place));
+        let alike = saturate(2.0 - abs(other - expected) * inverse_step);
         // The least weight keeps the sum valid where no texel matches.
-        let weight = near.x * near.y * select(alike, 0.0, shown.depth == 0.0) + 1e-4;
-        sum += weight * finite(textureLoad(indirect_diffuse_texture, texel, 0));
+        let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
+        sum += weight * finite(vec4(light.rgb, abs(light.a)));
         weights += weight;
     }
     return sum / weights;

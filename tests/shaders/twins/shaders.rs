@@ -84,7 +84,7 @@ macro_rules! shader {
 
 /// Lighting with all features, and `more` definitions.
 pub fn lighting(more: &[&str]) -> Composed {
-    const MOST: [&str; 36] = [
+    const MOST: [&str; 35] = [
         "DEPTH_PREPASS",
         "DIFFUSE_LIGHT",
         "INDIRECT_SPECULAR",
@@ -120,7 +120,6 @@ pub fn lighting(more: &[&str]) -> Composed {
         "VIEW_PROJECTION_NONSTANDARD",
         "GEOMETRIC_NORMAL",
         "APPLIES_VISIBILITY",
-        "GATHERS_DEPTH",
     ];
     let definitions: Vec<&str> = MOST.iter().chain(more).copied().collect();
     Composed::new(

@@ -3,18 +3,19 @@
 pub const SURFACE: u32 = 0x2000_0000;
 pub const WEIGHT_SHIFT: u32 = 29;
 pub const LARGEST_WEIGHT: f32 = 7.0;
-pub const FURTHEST: u32 = 0x2000_0001;
+pub const OTHER: u32 = 1;
+pub const FURTHEST: u32 = 0x2000_0002;
 pub const NEAREST: u32 = 0x3f80_0000;
 
-/// Packs a depth, and the weight with which the light of its surface is known.
-pub fn pack_depth(depth: f32, known: f32) -> u32 {
+/// Packs a depth, the weight with which the light of its surface is known, and if the texel shows another pixel than its first.
+pub fn pack_depth(depth: f32, known: f32, is_other: bool) -> u32 {
     // Also of NaN.
     if depth.is_nan() || depth <= 0.0 {
         return 0;
     }
     let bits = depth.to_bits().clamp(FURTHEST, NEAREST) ^ SURFACE;
     let weight = (known.clamp(0.0, 1.0) * LARGEST_WEIGHT + 0.5) as u32;
-    bits | (weight << WEIGHT_SHIFT)
+    (bits & !OTHER) | (weight << WEIGHT_SHIFT) | u32::from(is_other)
 }
 
 pub fn unpack_depth(word: u32) -> f32 {
@@ -22,6 +23,10 @@ pub fn unpack_depth(word: u32) -> f32 {
         return 0.0;
     }
     f32::from_bits((word & (SURFACE - 1)) | SURFACE)
+}
+
+pub fn unpack_is_other(word: u32) -> bool {
+    word & OTHER != 0
 }
 
 pub fn unpack_known(word: u32) -> f32 {
