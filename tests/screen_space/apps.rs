@@ -14,7 +14,7 @@ use kit::{
 };
 
 use super::{
-    scenes::{SIZE, SMALL, courtyard, gi, reflections, with_motion},
+    scenes::{SIZE, SMALL, courtyard, gi, move_cameras, reflections, with_motion},
     views::two_views,
 };
 
@@ -193,10 +193,7 @@ fn a_camera_that_jumps_alone_is_no_shift_of_the_world() {
         });
         see(&mut headless, 24);
         let here = look(&mut headless);
-        change_cameras(&mut headless, |camera| {
-            let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
-            transform.translation += SHIFT;
-        });
+        move_cameras(&mut headless, SHIFT);
         let first = off(&here, &look_at_once(&mut headless));
         let there = see(&mut headless, 24);
         let settled = off(&here, &there);

@@ -9,7 +9,7 @@ use kit::{
     own_process::in_own_process,
 };
 
-use super::scenes::{SMALL, gi, reflections, with_motion};
+use super::scenes::{SMALL, gi, move_cameras, reflections, with_motion};
 
 /// Distance of the weapon from the camera, in metres.
 const DISTANCE: f32 = 0.5;
@@ -67,10 +67,7 @@ fn walk(headless: &mut Headless, velocity: Vec3) -> Vec<[f32; 2]> {
     assert!(at_rest.iter().all(|light| *light > 0.05), "{at_rest:?}");
     let mut shares = Vec::new();
     for frame in 0..FRAMES + 3 {
-        change_cameras(headless, |camera| {
-            let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
-            transform.translation += velocity / RATE;
-        });
+        move_cameras(headless, velocity / RATE);
         let light = light_of_plate(&look_at_once(headless));
         // The first frames may have no motion target yet.
         if frame >= 3 {

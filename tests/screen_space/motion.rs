@@ -13,8 +13,8 @@ use kit::{
 };
 
 use super::scenes::{
-    EYE, Mover, SIZE, SMALL, floor, gi, light_at, looking, reflections, spawn_floor, step,
-    with_motion,
+    EYE, Mover, SIZE, SMALL, floor, gi, light_at, looking, move_cameras, reflections, spawn_floor,
+    step, with_motion,
 };
 
 /// The frame after a cut has no light of the one before it; without the cut it has.
@@ -26,13 +26,12 @@ fn the_frame_after_a_cut_has_no_light_of_the_one_before() {
                 camera.insert(reflections());
             });
             see(&mut headless, 4);
-            change_cameras(&mut headless, |camera| {
-                let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
-                transform.translation.x += 0.02;
-                if cuts {
+            move_cameras(&mut headless, 0.02 * Vec3::X);
+            if cuts {
+                change_cameras(&mut headless, |camera| {
                     camera.insert(CameraCut);
-                }
-            });
+                });
+            }
             let first = look_at_once(&mut headless);
             let second = look_at_once(&mut headless);
             // In front of everything that glows.
@@ -98,7 +97,7 @@ fn check_trails(motion: bool) {
     let mut headless = Headless::new(SMALL);
     type Make<'a> = &'a dyn Fn(&mut Headless, bool);
     // With the longest trail in frames. A rough floor is also lit by the box's position at which its light was kept, and shows the mean
-    // of four frames, which are clamped if motion vectors tell that the box moves. On a diffuse floor the means of blocks are continued to
+    // of four frames, which weigh less if motion vectors tell that the box moves. On a diffuse floor the means of blocks are continued to
     // the edge of the box, of blocks whose light is partly unknown while it moves.
     let of_rough = if motion { 3.5 } else { 5.2 };
     let make: [(&str, f32, Make); 3] = [

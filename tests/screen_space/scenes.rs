@@ -13,7 +13,7 @@ pub use kit::analytic_light::light_at;
 use kit::{
     analytic_light::{Seen, camera, look_at_once, see, surface},
     headless::Headless,
-    lean::show,
+    lean::{change_cameras, show},
     scenes::SceneBuilder,
 };
 
@@ -46,6 +46,14 @@ pub fn gi() -> LeanScreenSpaceGi {
         },
         ..default()
     }
+}
+
+/// Moves all cameras by this many metres.
+pub fn move_cameras(headless: &mut Headless, by: Vec3) {
+    change_cameras(headless, |camera| {
+        let mut transform = camera.get_mut::<Transform>().expect("cameras have one");
+        transform.translation += by;
+    });
 }
 
 /// Scattering of a test: none, or of a quality.
