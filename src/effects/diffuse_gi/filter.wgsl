@@ -230,7 +230,8 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     // Clamp to the whole hemisphere.
     found /= max(found.a, 1.0);
-    if unpack_is_other(textureLoad(levels, texel, 0).r) {
+    // Depths have that bit, too.
+    if unpack_is_other(bitcast<u32>(plane.depth)) {
         found.a = -max(found.a, LEAST_HIDDEN);
     }
     textureStore(output_texture, texel, found);

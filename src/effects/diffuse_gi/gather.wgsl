@@ -14,7 +14,7 @@
     depth_texture, edge_step, gathered_output, levels, normal_texture, view,
 }
 #import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_is_other, unpack_known}
-#import bevy_lean_deferred::effects::diffuse_gi::shown_pixel::nearest_other
+#import bevy_lean_deferred::effects::diffuse_gi::shown_pixel::other_pixel
 #import bevy_lean_deferred::tiles::pixel_in_view
 
 const SLICES: u32 = #{SLICES}u;
@@ -205,7 +205,7 @@ fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
     }
     var pixel = texel * view.divisor;
     if unpack_is_other(shown) {
-        pixel = nearest_other(pixel).place;
+        pixel = other_pixel(pixel).place;
     }
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);

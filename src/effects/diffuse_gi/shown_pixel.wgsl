@@ -4,6 +4,7 @@
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::shown_pixel
 
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{depth_texture, edge_step, view}
+#import bevy_lean_deferred::tiles::{NearestPixel, depth_or_none, nearest_beside}
 
 struct ShownPixel {
     place: vec2<i32>,
@@ -13,21 +14,13 @@ struct ShownPixel {
     is_other: bool,
 }
 
-/// 0 outside of the viewport.
 fn depth_at(pixel: vec2<i32>) -> f32 {
-    if any(pixel >= vec2<i32>(view.viewport_size)) {
-        return 0.0;
-    }
-    return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
+    return depth_or_none(depth_texture, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size), pixel);
 }
 
-/// The nearest pixel of 2×2 beside the `first`. Lighting has the same (`screen_space_light.wgsl`).
-fn nearest_other(first: vec2<i32>) -> ShownPixel {
-    let right = depth_at(first + vec2(1, 0));
-    let below = depth_at(first + vec2(0, 1));
-    let depth = max(max(right, below), depth_at(first + 1));
-    let step = select(select(vec2(1), vec2(0, 1), below == depth), vec2(1, 0), right == depth);
-    return ShownPixel(first + step, depth, true);
+/// The nearest pixel of 2×2 beside the `first`.
+fn other_pixel(first: vec2<i32>) -> NearestPixel {
+    return nearest_beside(depth_texture, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size), first);
 }
 
 fn shown_pixel(texel: vec2<i32>) -> ShownPixel {
@@ -36,13 +29,13 @@ fn shown_pixel(texel: vec2<i32>) -> ShownPixel {
     if view.divisor == 1 {
         return shown;
     }
-    let other = nearest_other(first);
+    let other = other_pixel(first);
     let step = edge_step(other.depth, 1.0);
     if other.depth > shown.depth + step {
         // The first pixel of the next texel shows what is wider.
         let beyond = 2 * other.place - first;
         if other.depth > depth_at(beyond) + step {
-            return other;
+            return ShownPixel(other.place, other.depth, true);
         }
     }
     return shown;

@@ -38,16 +38,16 @@ const OF_PATH: f32 = 0.8;
 const CARRIED_FROM: f32 = 0.25;
 const LEAST_CARRIED: f32 = 0.05;
 
-/// Differences of the last frames' lobes from this frame's lobe at which they weigh 1/2, relative to the mean difference of this frame's
-/// rays from it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that show something
-/// that moves on its own.
+/// Tolerances: differences of the last frames' lobes from this frame's lobe at which they weigh 1/2, relative to the mean difference of
+/// this frame's rays from it. Lobes are means of sixteen rays and more, so they differ by less than rays do. This one is for lobes that
+/// show something that moves on its own.
 const OF_MOVERS: f32 = 0.4;
 /// Least one of a mirror image that moves.
 const OF_IMAGES: f32 = 0.6;
-/// Its own if it moves by the lobe's radius; inversely proportional to its motion.
+/// That of one that moves by the lobe's radius; inversely proportional to its motion.
 const OF_SLOW: f32 = 0.06;
-/// From here on all weigh 1.
-const UNLIMITED: f32 = 16.0;
+/// From here on all lobes weigh 1.
+const ALL_ALIKE: f32 = 16.0;
 
 /// Texels within which a place is that of a single texel. At rest all are, and each texel keeps its own directions.
 const EXACT: f32 = 1.0 / 32.0;
@@ -59,7 +59,7 @@ struct LobePlace {
     /// False if the last frame showed another surface there.
     is_known: bool,
     /// Difference from this frame's lobe at which it weighs 1/2: see `OF_IMAGES`.
-    limit: f32,
+    tolerance: f32,
 }
 
 /// Place of the lobe of a texel whose ray begins at `begin`, in pixels, and began at a place of the last frame.
@@ -67,7 +67,7 @@ fn lobe_place(place: LastPlace, begin: vec2<f32>) -> LobePlace {
     let is_inside = all(place.at >= vec2(0.0)) && all(place.at < view.last_viewport_size);
     let kept = textureLoad(history_texture, vec2<i32>(place.at), 0).a * view.metres_per_unit;
     let weight = weight_of_match(kept, place.expected.x, place.expected.y, place.tolerance);
-    return LobePlace((place.at - begin) / f32(view.divisor), is_inside && weight >= 0.5, UNLIMITED);
+    return LobePlace((place.at - begin) / f32(view.divisor), is_inside && weight >= 0.5, ALL_ALIKE);
 }
 
 /// Homogeneous pixel of the last frame.
@@ -189,8 +189,8 @@ fn last_lobe_place(
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
         lobe = lobe_place(carried_place(seen, position), seen.xy);
     }
-    lobe.limit = select(clamp(OF_SLOW * radius / pixels, OF_IMAGES, UNLIMITED), UNLIMITED, pixels == 0.0);
-    lobe.limit = select(lobe.limit, OF_MOVERS, own > LEAST_OWN);
+    lobe.tolerance = select(clamp(OF_SLOW * radius / pixels, OF_IMAGES, ALL_ALIKE), ALL_ALIKE, pixels == 0.0);
+    lobe.tolerance = select(lobe.tolerance, OF_MOVERS, own > LEAST_OWN);
     return lobe;
 }
 

@@ -10,7 +10,7 @@
     view_position,
 }
 #import bevy_lean_deferred::effects::reflections::lobes::{
-    EXACT, KNOWN, MOVED, OF_MOVERS, UNLIMITED, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
+    EXACT, KNOWN, MOVED, OF_MOVERS, ALL_ALIKE, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
     with_lobe,
 }
 #import bevy_lean_deferred::effects::reflections::surface::{ROUGH, lobe_width, rotated}
@@ -200,7 +200,7 @@ fn lobe_at(texel: i32, roughness: f32, image: f32, position: vec3<f32>) -> Lobe 
 struct LastLobes {
     lobes: vec4<u32>,
     /// Difference from this frame's lobe at which they weigh 1/2: see `OF_IMAGES`.
-    limit: f32,
+    tolerance: f32,
 }
 
 /// The lobes of the last frames of the surface of texel `made`, whose ray begins at `pixel`.
@@ -209,7 +209,7 @@ fn last_lobes(made: i32, texel: vec2<i32>, pixel: vec2<i32>, roughness: f32, ima
     let slope = slope_at(made);
     let normal = unpack_halves(normals[made]).xyz;
     let place = last_lobe_place(pixel, depth, slope, rotated(normal), roughness, image, moves);
-    var last = LastLobes(vec4(0u), place.limit);
+    var last = LastLobes(vec4(0u), place.tolerance);
     if !place.is_known {
         return last;
     }
@@ -282,7 +282,7 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         // Requested before the rays are averaged, and awaited after.
         let changes = (around.bits & CHANGES) != 0u;
         let moves = (around.bits & MOVES) != 0u;
-        var last = LastLobes(vec4(0u), UNLIMITED);
+        var last = LastLobes(vec4(0u), ALL_ALIKE);
         if changes && view.has_lobes != 0u && view.exposure_ratio != 0.0 {
             last = last_lobes(made, texel, pixel, roughness, select(around.image, bright, bright > 0.0), moves);
         }
@@ -292,10 +292,10 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
         if changes {
             let bits = select(0u, KNOWN, now.is_known) | select(0u, MOVED, moves);
             lobes = with_lobe(last.lobes, lobe, bits);
-            let limit = select(last.limit, OF_MOVERS, has_moved(last.lobes, lobes));
+            let tolerance = select(last.tolerance, OF_MOVERS, has_moved(last.lobes, lobes));
             var most = 1e30;
-            if now.is_known && limit < UNLIMITED {
-                most = limit * difference_around(made, lobe);
+            if now.is_known && tolerance < ALL_ALIKE {
+                most = tolerance * difference_around(made, lobe);
             }
             lobe = mean_lobe(last.lobes, lobes, most);
         }

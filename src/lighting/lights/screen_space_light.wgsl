@@ -16,6 +16,7 @@
 #ifdef INDIRECT_DIFFUSE
 #import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
+#import bevy_lean_deferred::tiles::nearest_beside
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -91,16 +92,6 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// The nearest pixel of a texel beside its first one.
-fn nearest_other(first: vec2<i32>) -> vec2<i32> {
-    let last = vec2<i32>(uniforms.viewport_size) - 1;
-    let right = select(0.0, depth_in_view(first + vec2(1, 0)), first.x < last.x);
-    let below = select(0.0, depth_in_view(first + vec2(0, 1)), first.y < last.y);
-    let both = select(0.0, depth_in_view(first + 1), all(first < last));
-    let depth = max(max(right, below), both);
-    return first + select(select(vec2(1), vec2(0, 1), below == depth), vec2(1, 0), right == depth);
-}
-
 /// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its pixels, or, if
 /// its alpha is negative, the nearest of the others.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
@@ -112,8 +103,10 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
     let first = (place + 1) / 2 - 1;
     let is_near = (place & vec2(1)) == vec2(0);
+    let origin = vec2<i32>(uniforms.viewport_origin);
+    let size = vec2<i32>(uniforms.viewport_size);
     // The texture may be larger.
-    let last = vec2<i32>(uniforms.viewport_size + 1u) / 2 - 1;
+    let last = (size + 1) / 2 - 1;
     // All reads are issued before the first is used.
     var lights: array<vec4<f32>, 4>;
     var depths: vec4<f32>;
@@ -131,8 +124,9 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
         var pixel = 2 * (first + corner);
         var other = depths[i];
         if light.a < 0.0 {
-            pixel = nearest_other(clamp(pixel, vec2(0), 2 * last));
-            other = depth_in_view(pixel);
+            let shown = nearest_beside(depth_texture, origin, size, clamp(pixel, vec2(0), 2 * last));
+            pixel = shown.place;
+            other = shown.depth;
         }
         let expected = depth + dot(slope, vec2<f32>(pixel - place));
         let alike = saturate(2.0 - abs(other - expected) * inverse_step);
