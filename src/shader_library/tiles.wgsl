@@ -22,26 +22,7 @@ fn pixel_of_texel(texel: vec2<i32>, side: i32, view_size: vec2<i32>) -> vec2<i32
     return min(texel * side + (~texel.yx & vec2(side - 1)), view_size - 1);
 }
 
-/// Pixel of a square of 2×2, relative to the viewport's corner.
-struct NearestPixel {
-    place: vec2<i32>,
-    /// 0 without a surface.
-    depth: f32,
-}
-
-/// Depth at a pixel that is not before the viewport, which has `size` pixels from `origin` on; 0 behind its end.
-fn depth_or_none(depths: texture_depth_2d, origin: vec2<i32>, size: vec2<i32>, pixel: vec2<i32>) -> f32 {
-    if any(pixel >= size) {
-        return 0.0;
-    }
-    return textureLoad(depths, origin + pixel, 0);
-}
-
-/// The nearest pixel of a square beside the `first` one.
-fn nearest_beside(depths: texture_depth_2d, origin: vec2<i32>, size: vec2<i32>, first: vec2<i32>) -> NearestPixel {
-    let right = depth_or_none(depths, origin, size, first + vec2(1, 0));
-    let below = depth_or_none(depths, origin, size, first + vec2(0, 1));
-    let depth = max(max(right, below), depth_or_none(depths, origin, size, first + 1));
-    let step = select(select(vec2(1), vec2(0, 1), below == depth), vec2(1, 0), right == depth);
-    return NearestPixel(first + step, depth);
+/// Pixel of a square of 2×2 that has this number, 0 to 3: x + 2 y.
+fn pixel_of_square(number: u32) -> vec2<i32> {
+    return vec2<i32>(vec2(number & 1u, number >> 1u));
 }

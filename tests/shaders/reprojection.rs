@@ -6,7 +6,7 @@ use kit::{
     compute::Compute,
     random::Random,
     reference::effects::{
-        diffuse_gi::entry::{OTHER, pack_depth, unpack_depth, unpack_is_other, unpack_known},
+        diffuse_gi::entry::{PIXEL, pack_depth, unpack_depth, unpack_known, unpack_pixel},
         reprojection::{filled_up, own_motion, weight_of_match},
     },
     shipped_wgsl,
@@ -33,12 +33,11 @@ fn kernel(bits: array<u32, 12>) -> array<u32, 6> {
 }";
 
 const PACK: &str = "
-#import bevy_lean_deferred::effects::diffuse_gi::entry::{pack_depth, unpack_depth, unpack_is_other, unpack_known}
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{pack_depth, unpack_depth, unpack_known, unpack_pixel}
 fn kernel(bits: array<u32, 2>) -> array<u32, 4> {
-    // Half of the weights are those of another pixel than the first.
-    let word = pack_depth(bitcast<f32>(bits[0]), bitcast<f32>(bits[1]), bitcast<f32>(bits[1]) > 0.4);
-    let is_other = u32(unpack_is_other(word));
-    return array(word, bitcast<u32>(unpack_depth(word)), bitcast<u32>(unpack_known(word)), is_other);
+    // The weight chooses the pixel.
+    let word = pack_depth(bitcast<f32>(bits[0]), bitcast<f32>(bits[1]), u32(4.0 * bitcast<f32>(bits[1])) & 3u);
+    return array(word, bitcast<u32>(unpack_depth(word)), bitcast<u32>(unpack_known(word)), unpack_pixel(word));
 }";
 
 fn is_near(found: f32, expected: f32) -> bool {
@@ -120,23 +119,23 @@ fn words_keep_depth_and_weight() {
     );
     let bits: Vec<[u32; 2]> = inputs.iter().map(|input| input.map(f32::to_bits)).collect();
     let outputs: Vec<[u32; 4]> = Compute::new().kernel(&ENTRY, PACK).run(&bits);
-    for ([depth, known], [word, unpacked, weight, is_other]) in inputs.into_iter().zip(outputs) {
-        let other = known > 0.4;
+    for ([depth, known], [word, unpacked, weight, number]) in inputs.into_iter().zip(outputs) {
+        let pixel = (4.0 * known) as u32 & 3;
         // NaN may become any number on a device.
         if depth.is_nan() {
-            assert_eq!(pack_depth(depth, known, other), 0);
+            assert_eq!(pack_depth(depth, known, pixel), 0);
             continue;
         }
-        assert_eq!(word, pack_depth(depth, known, other), "{depth:?}, {known}");
+        assert_eq!(word, pack_depth(depth, known, pixel), "{depth:?}, {known}");
         assert_eq!(unpacked, unpack_depth(word).to_bits());
         assert!(is_near(f32::from_bits(weight), unpack_known(word)));
         if depth <= 0.0 {
             assert_eq!(word, 0, "{depth:?}");
         } else if (2e-19..=1.0).contains(&depth) {
-            assert_eq!(unpacked | OTHER, depth.to_bits() | OTHER, "{depth:?}");
+            assert_eq!(unpacked | PIXEL, depth.to_bits() | PIXEL, "{depth:?}");
         }
         if depth > 0.0 {
-            assert!(unpack_is_other(word) == other && is_other == u32::from(other));
+            assert!(unpack_pixel(word) == pixel && number == pixel);
         }
         if depth > 0.0 && depth.is_finite() {
             let off = (f32::from_bits(weight) - known).abs();

@@ -8,7 +8,7 @@
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     edge_step, gathered_texture, levels, output_texture, view,
 }
-#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_is_other}
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_pixel}
 
 /// Side of the texels of a workgroup.
 const SIDE: u32 = 16u;
@@ -45,8 +45,8 @@ const ENOUGH: f32 = 1.0 / 16.0;
 const SPREAD: f32 = 0.69;
 /// Lower bound of the variance of these distances: with 0.2, light exceeds its surroundings by 0.4% in corners.
 const LEAST_SPREAD: f32 = 0.25;
-/// Least share of the hemisphere with a sign, which tells lighting that a texel shows another of its pixels than the first.
-const LEAST_HIDDEN: f32 = 1.0 / 1024.0;
+/// Largest share of the hemisphere that a half holds beside the number of a pixel.
+const MOST_HIDDEN: f32 = 1.0 - 1.0 / 256.0;
 /// Share of a texel's tolerance in depth that blocks have. They are up to eleven texels away, where the other face of an edge is still
 /// within the whole of it.
 const OF_BLOCKS: f32 = 1.0 / 8.0;
@@ -230,9 +230,10 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     }
     // Clamp to the whole hemisphere.
     found /= max(found.a, 1.0);
-    // Depths have that bit, too.
-    if unpack_is_other(bitcast<u32>(plane.depth)) {
-        found.a = -max(found.a, LEAST_HIDDEN);
+    // Depths have these bits, too. Lighting learns the pixel from a negative alpha.
+    let pixel = unpack_pixel(bitcast<u32>(plane.depth));
+    if pixel > 0u {
+        found.a = -f32(pixel) - min(found.a, MOST_HIDDEN);
     }
     textureStore(output_texture, texel, found);
 }

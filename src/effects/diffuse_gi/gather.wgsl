@@ -13,9 +13,8 @@
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{
     depth_texture, edge_step, gathered_output, levels, normal_texture, view,
 }
-#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_is_other, unpack_known}
-#import bevy_lean_deferred::effects::diffuse_gi::shown_pixel::other_pixel
-#import bevy_lean_deferred::tiles::pixel_in_view
+#import bevy_lean_deferred::effects::diffuse_gi::entry::{unpack_depth, unpack_known, unpack_pixel}
+#import bevy_lean_deferred::tiles::{pixel_in_view, pixel_of_square}
 
 const SLICES: u32 = #{SLICES}u;
 const STEPS: u32 = #{STEPS}u;
@@ -203,10 +202,7 @@ fn gather(texel: vec2<i32>, place: vec2<u32>) -> Gathered {
     if depth == 0.0 || view.exposure_ratio == 0.0 {
         return Gathered(texel, vec4(0.0));
     }
-    var pixel = texel * view.divisor;
-    if unpack_is_other(shown) {
-        pixel = other_pixel(pixel).place;
-    }
+    let pixel = texel * view.divisor + pixel_of_square(unpack_pixel(shown));
     let center = vec2<f32>(pixel) + 0.5;
     let ray = ray_at(view.view_from_pixel, center);
     let position = position_on(view.view_from_pixel, ray, depth);

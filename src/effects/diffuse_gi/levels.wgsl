@@ -126,7 +126,7 @@ fn entry_at(texel: vec2<u32>) -> Entry {
     // Sky and NaN stay 0.
     if shown.depth > 0.0 {
         entry.depth = shown.depth;
-        entry.is_other = shown.is_other;
+        entry.pixel = shown.number;
         if view.exposure_ratio > 0.0 {
             let last = last_light(shown.place, shown.depth);
             entry.light = exposed(last.rgb);
@@ -154,7 +154,7 @@ fn joined(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, known: vec4<f3
 }
 
 fn pack(mean: Mean) -> vec4<u32> {
-    return pack_entry(Entry(mean.entry.w, mean.entry.rgb / max(mean.known, 1e-6), mean.known, false));
+    return pack_entry(Entry(mean.entry.w, mean.entry.rgb / max(mean.known, 1e-6), mean.known, 0u));
 }
 
 /// 256 invocations make 16×16 texels and the coarser levels above them.

@@ -4,38 +4,39 @@
 #define_import_path bevy_lean_deferred::effects::diffuse_gi::shown_pixel
 
 #import bevy_lean_deferred::effects::diffuse_gi::bindings::{depth_texture, edge_step, view}
-#import bevy_lean_deferred::tiles::{NearestPixel, depth_or_none, nearest_beside}
+#import bevy_lean_deferred::tiles::pixel_of_square
 
 struct ShownPixel {
     place: vec2<i32>,
     /// 0 without a surface.
     depth: f32,
-    /// False for the first one.
-    is_other: bool,
+    /// In its square, 0 to 3: x + 2 y.
+    number: u32,
 }
 
+/// Depth at a pixel that is not before the viewport; 0 behind its end.
 fn depth_at(pixel: vec2<i32>) -> f32 {
-    return depth_or_none(depth_texture, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size), pixel);
-}
-
-/// The nearest pixel of 2×2 beside the `first`.
-fn other_pixel(first: vec2<i32>) -> NearestPixel {
-    return nearest_beside(depth_texture, vec2<i32>(view.viewport_origin), vec2<i32>(view.viewport_size), first);
+    if any(pixel >= vec2<i32>(view.viewport_size)) {
+        return 0.0;
+    }
+    return textureLoad(depth_texture, vec2<i32>(view.viewport_origin) + pixel, 0);
 }
 
 fn shown_pixel(texel: vec2<i32>) -> ShownPixel {
     let first = texel * view.divisor;
-    let shown = ShownPixel(first, depth_at(first), false);
+    let shown = ShownPixel(first, depth_at(first), 0u);
     if view.divisor == 1 {
         return shown;
     }
-    let other = other_pixel(first);
-    let step = edge_step(other.depth, 1.0);
-    if other.depth > shown.depth + step {
+    let depths = vec3(depth_at(first + vec2(1, 0)), depth_at(first + vec2(0, 1)), depth_at(first + 1));
+    let nearest = max(max(depths.x, depths.y), depths.z);
+    let step = edge_step(nearest, 1.0);
+    if nearest > shown.depth + step {
+        let number = select(select(3u, 2u, depths.y == nearest), 1u, depths.x == nearest);
+        let place = first + pixel_of_square(number);
         // The first pixel of the next texel shows what is wider.
-        let beyond = 2 * other.place - first;
-        if other.depth > depth_at(beyond) + step {
-            return ShownPixel(other.place, other.depth, true);
+        if nearest > depth_at(2 * place - first) + step {
+            return ShownPixel(place, nearest, number);
         }
     }
     return shown;

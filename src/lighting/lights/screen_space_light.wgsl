@@ -16,7 +16,7 @@
 #ifdef INDIRECT_DIFFUSE
 #import bevy_lean_deferred::lighting::bindings::indirect_diffuse_texture
 #import bevy_lean_deferred::reconstruction::normal::flatter_slope
-#import bevy_lean_deferred::tiles::nearest_beside
+#import bevy_lean_deferred::tiles::pixel_of_square
 #import bevy_pbr::mesh_view_bindings::depth_prepass_texture as depth_texture
 #endif
 
@@ -92,8 +92,8 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
-/// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its pixels, or, if
-/// its alpha is negative, the nearest of the others.
+/// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its 2×2 pixels.
+/// Where it shows another, alpha is negative: the number of the pixel, plus the share of the hemisphere.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
         flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
@@ -103,10 +103,8 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
     let first = (place + 1) / 2 - 1;
     let is_near = (place & vec2(1)) == vec2(0);
-    let origin = vec2<i32>(uniforms.viewport_origin);
-    let size = vec2<i32>(uniforms.viewport_size);
     // The texture may be larger.
-    let last = (size + 1) / 2 - 1;
+    let last = (vec2<i32>(uniforms.viewport_size) + 1) / 2 - 1;
     // All reads are issued before the first is used.
     var lights: array<vec4<f32>, 4>;
     var depths: vec4<f32>;
@@ -123,16 +121,16 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
         let light = lights[i];
         var pixel = 2 * (first + corner);
         var other = depths[i];
-        if light.a < 0.0 {
-            let shown = nearest_beside(depth_texture, origin, size, clamp(pixel, vec2(0), 2 * last));
-            pixel = shown.place;
-            other = shown.depth;
+        let number = u32(max(-light.a, 0.0));
+        if number > 0u {
+            pixel += pixel_of_square(number & 3u);
+            other = depth_in_view(pixel);
         }
         let expected = depth + dot(slope, vec2<f32>(pixel - place));
         let alike = saturate(2.0 - abs(other - expected) * inverse_step);
         // The least weight keeps the sum valid where no texel matches.
         let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
-        sum += weight * finite(vec4(light.rgb, abs(light.a)));
+        sum += weight * finite(vec4(light.rgb, abs(light.a) - f32(number)));
         weights += weight;
     }
     return sum / weights;

@@ -94,7 +94,7 @@ fn constants_of_rust() -> BTreeMap<Place, Vec<f64>> {
     constants!("effects/auto_exposure/luminance.wgsl": luminance::{WEIGHTS, LARGEST, LOWEST_LOG, SMALLEST});
     constants!("lighting/subsurface_light.wgsl": subsurface_light::{BLOCK_LOG, MASKS});
     constants!("effects/diffuse_gi/entry.wgsl": entry::{
-        SURFACE, WEIGHT_SHIFT, LARGEST_WEIGHT, OTHER, FURTHEST, NEAREST
+        SURFACE, WEIGHT_SHIFT, LARGEST_WEIGHT, PIXEL, FURTHEST, NEAREST
     });
     constants!("shader_library/cell.wgsl": cell::{FIRST});
     constants!("effects/reflections/lobes.wgsl": reflections::{PHASES});
