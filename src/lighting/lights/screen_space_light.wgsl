@@ -92,6 +92,24 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
+/// Sum over the four texels around a pixel.
+struct SumOfTexels {
+    /// Light times weight.
+    light: vec4<f32>,
+    weights: f32,
+}
+
+/// Adds texel `i` of the four around the pixel at `place`. `off`: from the `depth` of the pixel that it shows to that of the same surface
+/// there, in depth steps.
+fn add_texel(sum: ptr<function, SumOfTexels>, place: vec2<i32>, i: i32, light: vec4<f32>, depth: f32, off: f32) {
+    let is_near = (place & vec2(1)) == vec2(0);
+    let near = select(vec2(0.25), vec2(0.75), (vec2(i & 1, i >> 1u) == vec2(1)) == is_near);
+    // The least weight keeps the sum valid where no texel matches.
+    let weight = near.x * near.y * select(saturate(2.0 - abs(off)), 0.0, depth == 0.0) + 1e-4;
+    (*sum).light += weight * finite(light);
+    (*sum).weights += weight;
+}
+
 /// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its 2×2 pixels.
 /// Where it shows another, alpha is negative: the number of the pixel, plus the share of the hemisphere.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
@@ -102,37 +120,31 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let inverse_step = 1.0 / max(2.0 * (uniforms.edge.x * depth + uniforms.edge.y), 1e-30);
     // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
     let first = (place + 1) / 2 - 1;
-    let is_near = (place & vec2(1)) == vec2(0);
     // The texture may be larger.
     let last = (vec2<i32>(uniforms.viewport_size) + 1) / 2 - 1;
-    // All reads are issued before the first is used.
-    var lights: array<vec4<f32>, 4>;
-    var depths: vec4<f32>;
+    var sum: SumOfTexels;
+    var least_alpha = 0.0;
     for (var i = 0; i < 4; i++) {
         let texel = first + vec2(i & 1, i >> 1u);
-        lights[i] = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
-        depths[i] = depth_in_view(2 * texel);
+        let light = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
+        let other = depth_in_view(2 * texel);
+        let off = other - depth - dot(slope, vec2<f32>(2 * texel - place));
+        add_texel(&sum, place, i, light, other, off * inverse_step);
+        least_alpha = min(least_alpha, light.a);
     }
-    var sum = vec4(0.0);
-    var weights = 0.0;
-    for (var i = 0; i < 4; i++) {
-        let corner = vec2(i & 1, i >> 1u);
-        let near = select(vec2(0.25), vec2(0.75), (corner == vec2(1)) == is_near);
-        let light = lights[i];
-        var pixel = 2 * (first + corner);
-        var other = depths[i];
-        let number = u32(max(-light.a, 0.0));
-        if number > 0u {
-            pixel += pixel_of_square(number & 3u);
-            other = depth_in_view(pixel);
+    if least_alpha < 0.0 {
+        // Of hardly any pixel: reads that wait for the light's number.
+        sum = SumOfTexels();
+        for (var i = 0; i < 4; i++) {
+            let texel = first + vec2(i & 1, i >> 1u);
+            let light = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
+            let number = u32(max(-light.a, 0.0));
+            let pixel = 2 * texel + pixel_of_square(number & 3u);
+            let other = depth_in_view(pixel);
+            let off = other - depth - dot(slope, vec2<f32>(pixel - place));
+            add_texel(&sum, place, i, vec4(light.rgb, abs(light.a) - f32(number)), other, off * inverse_step);
         }
-        let expected = depth + dot(slope, vec2<f32>(pixel - place));
-        let alike = saturate(2.0 - abs(other - expected) * inverse_step);
-        // The least weight keeps the sum valid where no texel matches.
-        let weight = near.x * near.y * select(alike, 0.0, other == 0.0) + 1e-4;
-        sum += weight * finite(vec4(light.rgb, abs(light.a) - f32(number)));
-        weights += weight;
     }
-    return sum / weights;
+    return sum.light / sum.weights;
 }
 #endif
