@@ -168,7 +168,8 @@ fn last_lobe_place(
     let seen = vec3(vec2<f32>(pixel) + 0.5, depth);
     let position = view_position(seen.xy, depth);
     var moved = vec2(0.0);
-    if view.carries_surfaces != 0u || moves {
+    let is_moving = view.carries_surfaces != 0u || moves;
+    if is_moving {
         moved = moved_image(last_place(seen, position).at, seen.xy, position, normal, roughness, image, moves);
     }
     let pixels = length(moved);
@@ -189,7 +190,9 @@ fn last_lobe_place(
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
         lobe = lobe_place(carried_place(seen, position), seen.xy);
     }
-    lobe.tolerance = select(clamp(OF_SLOW * radius / pixels, OF_IMAGES, ALL_ALIKE), ALL_ALIKE, pixels == 0.0);
+    // Where all rays miss, there is no image to follow, and no radius: lobes that had one weigh nothing.
+    let slow = clamp(OF_SLOW * radius / max(pixels, 1e-6), OF_IMAGES, ALL_ALIKE);
+    lobe.tolerance = select(ALL_ALIKE, slow, is_moving);
     lobe.tolerance = select(lobe.tolerance, OF_MOVERS, own > LEAST_OWN);
     return lobe;
 }

@@ -3,7 +3,8 @@
 
 #import bevy_lean_deferred::gbuffer::layout::{NO_GEOMETRY, SPECIALIZATION_VALID, unpack_normal, unpack_roughness}
 #import bevy_lean_deferred::effects::reflections::bindings::{
-    history_sampler, history_texture, motion_texture, normal_texture, specialization_texture, valid_mask_texture, view,
+    depth_in_view, edge_step, history_sampler, history_texture, motion_texture, normal_texture, specialization_texture,
+    valid_mask_texture, view, view_position,
 }
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
@@ -81,10 +82,10 @@ fn lobe_width(metres: f32, distance: f32) -> f32 {
 #endif
 }
 
-/// Mean light of surfaces around a point of the history.
-fn mean_light(at: vec2<f32>, level: f32) -> vec3<f32> {
+/// Mean light of surfaces around a point of the history. `shift`: see `shift_of_nearest`.
+fn mean_light(at: vec2<f32>, level: f32, shift: vec2<f32>) -> vec3<f32> {
     // From level 1 on, alpha is the share of surfaces.
-    let coarse = textureSampleLevel(history_texture, history_sampler, at, max(level, 1.0));
+    let coarse = textureSampleLevel(history_texture, history_sampler, at + shift, max(level, 1.0));
     let mean = coarse.rgb / max(coarse.a, 1e-3);
     if level >= 1.0 {
         return mean;
@@ -119,8 +120,9 @@ struct LastPlace {
 }
 
 /// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
-/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too.
-fn kept_light(last: LastPlace, level: f32, blurs_edges: bool) -> vec4<f32> {
+/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too. `shift`: see
+/// `shift_of_nearest`.
+fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, shift: vec2<f32>) -> vec4<f32> {
     let at = last.at;
     // Half floats have eleven significant bits.
     let tolerance = last.tolerance + 0.001 * max(abs(last.expected.x), abs(last.expected.y));
@@ -139,7 +141,7 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool) -> vec4<f32> {
         place = select(at, floor(at) + 0.5, most > tolerance);
         used_level = select(level, 0.0, most > tolerance && !blurs_edges);
     }
-    let light = mean_light(place / view.history_size, used_level) * view.exposure_ratio;
+    let light = mean_light(place / view.history_size, used_level, shift / view.history_size) * view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
@@ -213,21 +215,49 @@ fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
     return LastPlace(at, last.expected, last.tolerance + deeper, far);
 }
 
+/// Motion of the nearest surface within a texel of the history's `level` around `place`, in pixels relative to the motion of the place
+/// itself; 0 without a nearer one. Levels coarser than 0 blur the surfaces of the last frame: displaced by it, they have the outline
+/// of the nearest one where this frame has it (dilation as in Karis 2014, "High-Quality Temporal Supersampling").
+fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> {
+    if level <= 0.0 {
+        return vec2(0.0);
+    }
+    let pixel = vec2<i32>(place.xy);
+    let far = i32(ceil(exp2(max(level, 1.0))));
+    let depths = vec4(
+        depth_in_view(pixel + vec2(far, 0)), depth_in_view(pixel - vec2(far, 0)),
+        depth_in_view(pixel + vec2(0, far)), depth_in_view(pixel - vec2(0, far)),
+    );
+    let nearest = max(max(depths.x, depths.y), max(depths.z, depths.w));
+    if nearest <= place.z + edge_step(place.z, f32(far)) {
+        return vec2(0.0);
+    }
+    let steps = select(vec2(0), vec2(1), depths.xz == vec2(nearest)) - select(vec2(0), vec2(1), depths.yw == vec2(nearest));
+    let other = clamp(pixel + far * steps, vec2(0), vec2<i32>(view.viewport_size) - 1);
+    let there = vec3(vec2<f32>(other) + 0.5, nearest);
+    let motion = last_place(there, view_position(there.xy, nearest)).at - with_view(there.xy);
+    let shift = motion - (last.at - with_view(place.xy));
+    // Further away, the last frame shows another part of the place's own surface.
+    return shift * saturate(2.0 - length(shift) / f32(far));
+}
+
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
 /// which that frame showed it. `level` and `blurs_edges` are those of `kept_light`.
 fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32, blurs_edges: bool) -> vec4<f32> {
     let last = last_place(place, position);
-    var light = kept_light(last, level, blurs_edges);
+    let shift = shift_of_nearest(last, place, level);
+    var light = kept_light(last, level, blurs_edges, shift);
     if view.has_motion != 0u {
         for (var i = 0; i < STAND_INS && light.w < 1.0; i++) {
             let other = stand_in(last, place, i);
-            var found = kept_light(other, level, blurs_edges);
+            // Beyond the outline already.
+            var found = kept_light(other, level, blurs_edges, vec2(0.0));
             // At rest it is the same place.
             found.w *= saturate(other.own);
             light = filled_up(light, found);
         }
     } else if view.carries_surfaces != 0u && light.w < 1.0 {
-        light = filled_up(light, kept_light(carried_place(place, position), level, blurs_edges));
+        light = filled_up(light, kept_light(carried_place(place, position), level, blurs_edges, vec2(0.0)));
     }
     return light;
 }
