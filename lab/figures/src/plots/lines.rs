@@ -1,9 +1,6 @@
 //! Lines over a number, both axes logarithmic.
 
-use plotters::{
-    prelude::*,
-    style::text_anchor::{HPos, VPos},
-};
+use plotters::prelude::*;
 
 use super::{
     Plot,
@@ -87,29 +84,7 @@ impl Lines {
         let points = || self.lines.iter().flat_map(|line| &line.points);
         let x = style::log_range(points().map(|(x, _)| *x), 1.2);
         let y = style::log_range(points().map(|(_, y)| *y), 1.3);
-        let axis = |(from, to): (f64, f64)| {
-            (from..to)
-                .log_scale()
-                .with_key_points(style::log_ticks((from, to)))
-        };
-        let label = style::text(HPos::Center, VPos::Center);
-        let mut chart = ChartBuilder::on(area)
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(50)
-            .y_label_area_size(86)
-            .build_cartesian_2d(axis(x), axis(y))?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.axes[0])
-            .y_desc(&self.axes[1])
-            .x_label_formatter(&style::tick_text)
-            .y_label_formatter(&style::tick_text)
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(style::GRID)
-            .label_style(label.font.clone())
-            .axis_desc_style(label.font.clone())
-            .draw()?;
+        let mut chart = style::log_chart(area, &self.axes, [x, y])?;
         for line in &self.lines {
             let points = line.points.iter().copied();
             let stroke = line.color.stroke_width(2);

@@ -86,29 +86,7 @@ impl Points {
         let lines = self.lines.iter().map(|(_, x)| *x);
         let x = style::log_range(places().map(|(x, _)| x).chain(lines), 1.3);
         let y = style::log_range(places().map(|(_, y)| y), 1.4);
-        let axis = |(from, to): (f64, f64)| {
-            (from..to)
-                .log_scale()
-                .with_key_points(style::log_ticks((from, to)))
-        };
-        let label = style::text(HPos::Center, VPos::Center);
-        let mut chart = ChartBuilder::on(area)
-            .margin(12)
-            .margin_right(24)
-            .x_label_area_size(50)
-            .y_label_area_size(86)
-            .build_cartesian_2d(axis(x), axis(y))?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.axes[0])
-            .y_desc(&self.axes[1])
-            .x_label_formatter(&style::tick_text)
-            .y_label_formatter(&style::tick_text)
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(style::GRID)
-            .label_style(label.font.clone())
-            .axis_desc_style(label.font.clone())
-            .draw()?;
+        let mut chart = style::log_chart(area, &self.axes, [x, y])?;
         for (_, place) in &self.lines {
             let ends = [(*place, y.0), (*place, y.1)];
             let line = DashedLineSeries::new(ends, 7, 5, style::BEVY_FORWARD.stroke_width(2));

@@ -3,13 +3,18 @@
 use std::error::Error;
 
 use plotters::{
-    coord::Shift,
+    coord::{
+        Shift,
+        combinators::{LogCoord, WithKeyPoints},
+    },
     prelude::*,
     style::text_anchor::{HPos, Pos, VPos},
 };
 
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Drawn = Result<(), Box<dyn Error>>;
+type LogAxis = WithKeyPoints<LogCoord<f64>>;
+type LogChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogAxis, LogAxis>>;
 
 /// Font sizes of the SVG are these times 1.24.
 pub const TEXT: i32 = 14;
@@ -139,6 +144,37 @@ pub fn log_range(values: impl Iterator<Item = f64>, room: f64) -> (f64, f64) {
     // Keeps small differences small.
     let room = room.max((LEAST_RANGE / (most / least)).sqrt());
     (least / room, most * room)
+}
+
+/// A grid with two logarithmic axes, their descriptions and their ranges.
+pub fn log_chart<'a, 'b>(
+    area: &'a Area<'b>,
+    descriptions: &[String; 2],
+    ranges: [(f64, f64); 2],
+) -> Result<LogChart<'a, 'b>, Box<dyn Error>> {
+    let [x, y] = ranges.map(|(from, to)| {
+        let axis = (from..to).log_scale();
+        axis.with_key_points(log_ticks((from, to)))
+    });
+    let label = text(HPos::Center, VPos::Center);
+    let mut chart = ChartBuilder::on(area)
+        .margin(12)
+        .margin_right(24)
+        .x_label_area_size(50)
+        .y_label_area_size(86)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .x_desc(&descriptions[0])
+        .y_desc(&descriptions[1])
+        .x_label_formatter(&tick_text)
+        .y_label_formatter(&tick_text)
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID)
+        .label_style(label.font.clone())
+        .axis_desc_style(label.font.clone())
+        .draw()?;
+    Ok(chart)
 }
 
 /// Ticks of a logarithmic axis: 1, 2 and 5 of each power of ten, or the powers alone if there are many.
