@@ -90,7 +90,8 @@ pub struct IndirectDiffuse {
     /// Has a float format, and is at least as large as the viewport, whose light begins in its corner.
     pub texture: Option<TextureView>,
     /// True if a texel represents 2×2 pixels, and the texture has half of that size per axis, rounded up: lighting upsamples it along
-    /// the edges in depth. A texel shows the first of its pixels, or, if its alpha is negative, the nearest of the others.
+    /// the edges in depth. A texel shows the first of its pixels. Where it shows another, its alpha is -(n + fraction): n, 1 to 3, is
+    /// x + 2 y of that pixel, and the fraction is below 1.
     pub is_half: bool,
 }
 

@@ -23,7 +23,7 @@ fn fragment(in: FullscreenVertexOutput) -> @location(0) vec4<f32> {
 #else ifdef SHOWS_ALPHA
     let color = vec3(texel.a);
 #else ifdef SHOWS_ONE_MINUS_ALPHA
-    // Negative with the number of a pixel before the point.
+    // Negative alpha is -(number of a pixel + share).
     let color = vec3(1.0 - select(texel.a, fract(-texel.a), texel.a < 0.0));
 #else
     // Packed by `pack_hit` of reflections: metres, and eight bits of other data.

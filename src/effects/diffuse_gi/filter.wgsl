@@ -45,7 +45,7 @@ const ENOUGH: f32 = 1.0 / 16.0;
 const SPREAD: f32 = 0.69;
 /// Lower bound of the variance of these distances: with 0.2, light exceeds its surroundings by 0.4% in corners.
 const LEAST_SPREAD: f32 = 0.25;
-/// Largest share of the hemisphere that a half holds beside the number of a pixel.
+/// Largest share of the hemisphere that a half float holds beside the number of a pixel.
 const MOST_HIDDEN: f32 = 1.0 - 1.0 / 256.0;
 /// Share of a texel's tolerance in depth that blocks have. They are up to eleven texels away, where the other face of an edge is still
 /// within the whole of it.
@@ -227,13 +227,13 @@ fn main(@builtin(workgroup_id) workgroup: vec3<u32>, @builtin(local_invocation_i
     var found = vec4(0.0);
     if plane.depth > 0.0 {
         found = filtered(plane, place, center);
-    }
-    // Clamp to the whole hemisphere.
-    found /= max(found.a, 1.0);
-    // Depths have these bits, too. Lighting learns the pixel from a negative alpha.
-    let pixel = unpack_pixel(bitcast<u32>(plane.depth));
-    if pixel > 0u {
-        found.a = -f32(pixel) - min(found.a, MOST_HIDDEN);
+        // Clamp to the whole hemisphere.
+        found /= max(found.a, 1.0);
+        // Depths have these bits, too. Lighting learns the pixel from a negative alpha.
+        let pixel = unpack_pixel(bitcast<u32>(plane.depth));
+        if pixel > 0u {
+            found.a = -f32(pixel) - min(found.a, MOST_HIDDEN);
+        }
     }
     textureStore(output_texture, texel, found);
 }

@@ -99,8 +99,8 @@ struct SumOfTexels {
     weights: f32,
 }
 
-/// Adds texel `i` of the four around the pixel at `place`. `off`: from the `depth` of the pixel that it shows to that of the same surface
-/// there, in depth steps.
+/// Adds texel `i` of the four around the pixel at `place`. It shows a pixel at this `depth`; `off` is the distance in depth of that pixel
+/// from the surface at `place`, in tolerances.
 fn add_texel(sum: ptr<function, SumOfTexels>, place: vec2<i32>, i: i32, light: vec4<f32>, depth: f32, off: f32) {
     let is_near = (place & vec2(1)) == vec2(0);
     let near = select(vec2(0.25), vec2(0.75), (vec2(i & 1, i >> 1u) == vec2(1)) == is_near);
@@ -125,19 +125,19 @@ fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     var sum: SumOfTexels;
     var least_alpha = 0.0;
     for (var i = 0; i < 4; i++) {
-        let texel = first + vec2(i & 1, i >> 1u);
-        let light = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
+        let texel = clamp(first + vec2(i & 1, i >> 1u), vec2(0), last);
+        let light = textureLoad(indirect_diffuse_texture, texel, 0);
         let other = depth_in_view(2 * texel);
         let off = other - depth - dot(slope, vec2<f32>(2 * texel - place));
         add_texel(&sum, place, i, light, other, off * inverse_step);
         least_alpha = min(least_alpha, light.a);
     }
     if least_alpha < 0.0 {
-        // Of hardly any pixel: reads that wait for the light's number.
+        // In a second loop, because these depths depend on alpha: those above do not wait for it.
         sum = SumOfTexels();
         for (var i = 0; i < 4; i++) {
-            let texel = first + vec2(i & 1, i >> 1u);
-            let light = textureLoad(indirect_diffuse_texture, clamp(texel, vec2(0), last), 0);
+            let texel = clamp(first + vec2(i & 1, i >> 1u), vec2(0), last);
+            let light = textureLoad(indirect_diffuse_texture, texel, 0);
             let number = u32(max(-light.a, 0.0));
             let pixel = 2 * texel + pixel_of_square(number & 3u);
             let other = depth_in_view(pixel);
