@@ -190,7 +190,7 @@ fn last_lobe_place(
     if !lobe.is_known && view.has_motion == 0u && view.carries_surfaces != 0u {
         lobe = lobe_place(carried_place(seen, position), seen.xy);
     }
-    // Where all rays miss, there is no image to follow, and no radius: lobes that had one weigh nothing.
+    // All rays miss: there is no image to follow, the radius is 0, and last lobes that have light weigh nothing.
     let slow = clamp(OF_SLOW * radius / max(pixels, 1e-6), OF_IMAGES, ALL_ALIKE);
     lobe.tolerance = select(ALL_ALIKE, slow, is_moving);
     lobe.tolerance = select(lobe.tolerance, OF_MOVERS, own > LEAST_OWN);

@@ -82,10 +82,10 @@ fn lobe_width(metres: f32, distance: f32) -> f32 {
 #endif
 }
 
-/// Mean light of surfaces around a point of the history. `shift`: see `shift_of_nearest`.
-fn mean_light(at: vec2<f32>, level: f32, shift: vec2<f32>) -> vec3<f32> {
+/// Mean light of surfaces around a point of the history, of which levels coarser than 0 are read at another one.
+fn mean_light(at: vec2<f32>, coarse_at: vec2<f32>, level: f32) -> vec3<f32> {
     // From level 1 on, alpha is the share of surfaces.
-    let coarse = textureSampleLevel(history_texture, history_sampler, at + shift, max(level, 1.0));
+    let coarse = textureSampleLevel(history_texture, history_sampler, coarse_at, max(level, 1.0));
     let mean = coarse.rgb / max(coarse.a, 1e-3);
     if level >= 1.0 {
         return mean;
@@ -141,7 +141,8 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, shift: vec2<f32>) 
         place = select(at, floor(at) + 0.5, most > tolerance);
         used_level = select(level, 0.0, most > tolerance && !blurs_edges);
     }
-    let light = mean_light(place / view.history_size, used_level, shift / view.history_size) * view.exposure_ratio;
+    let coarse_place = clamp(place + shift, vec2(0.5), view.last_viewport_size - 0.5);
+    let light = mean_light(place / view.history_size, coarse_place / view.history_size, used_level) * view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
@@ -215,15 +216,19 @@ fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
     return LastPlace(at, last.expected, last.tolerance + deeper, far);
 }
 
-/// Motion of the nearest surface within a texel of the history's `level` around `place`, in pixels relative to the motion of the place
-/// itself; 0 without a nearer one. Levels coarser than 0 blur the surfaces of the last frame: displaced by it, they have the outline
-/// of the nearest one where this frame has it (dilation as in Karis 2014, "High-Quality Temporal Supersampling").
+/// Level up to which outlines are followed: those further away are of other things.
+const LAST_FOLLOWED: f32 = 4.0;
+
+/// Offset in pixels at which levels coarser than 0 are read: the motion of the nearest of four surfaces, one texel of the level away along
+/// each axis, minus the motion of `place` itself. 0 if none of them is nearer than it. Coarse levels blur the surfaces of the last frame;
+/// at this offset, the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal
+/// Supersampling").
 fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> {
     if level <= 0.0 {
         return vec2(0.0);
     }
     let pixel = vec2<i32>(place.xy);
-    let far = i32(ceil(exp2(max(level, 1.0))));
+    let far = i32(ceil(exp2(clamp(level, 1.0, LAST_FOLLOWED))));
     let depths = vec4(
         depth_in_view(pixel + vec2(far, 0)), depth_in_view(pixel - vec2(far, 0)),
         depth_in_view(pixel + vec2(0, far)), depth_in_view(pixel - vec2(0, far)),
@@ -232,13 +237,16 @@ fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> 
     if nearest <= place.z + edge_step(place.z, f32(far)) {
         return vec2(0.0);
     }
-    let steps = select(vec2(0), vec2(1), depths.xz == vec2(nearest)) - select(vec2(0), vec2(1), depths.yw == vec2(nearest));
-    let other = clamp(pixel + far * steps, vec2(0), vec2<i32>(view.viewport_size) - 1);
+    let is_horizontal = any(depths.xy == vec2(nearest));
+    let is_first = select(depths.z, depths.x, is_horizontal) == nearest;
+    let step = select(vec2(0, far), vec2(far, 0), is_horizontal);
+    let other = clamp(select(pixel - step, pixel + step, is_first), vec2(0), vec2<i32>(view.viewport_size) - 1);
     let there = vec3(vec2<f32>(other) + 0.5, nearest);
     let motion = last_place(there, view_position(there.xy, nearest)).at - with_view(there.xy);
     let shift = motion - (last.at - with_view(place.xy));
     // Further away, the last frame shows another part of the place's own surface.
-    return shift * saturate(2.0 - length(shift) / f32(far));
+    let share = saturate(2.0 - length(shift) / f32(far));
+    return select(vec2(0.0), shift * share, share > 0.0);
 }
 
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
