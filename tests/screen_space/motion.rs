@@ -215,21 +215,27 @@ fn moving_and_still(
     [moving, still]
 }
 
+/// `moving_and_still` of a camera that strafes by `step` metres a frame, past glowing pillars, `width` metres wide and at this `z`, on a
+/// metal floor.
+fn strafe_past_pillars(name: &str, step: f32, roughness: f32, width: f32, z: f32) -> [Seen; 2] {
+    let pose = |frame: usize| looking(EYE + Vec3::X * (step * (frame as f32 - 12.0)), 0.3);
+    let mut headless = build(SIZE, |s| {
+        spawn_floor(s, metal(roughness), 0.0);
+        for x in [-1.2, -0.4, 0.4, 1.2] {
+            let pillar = Cuboid::new(width, 1.4, 0.12);
+            s.mesh(pillar, surface(0.0, 1.0), Transform::from_xyz(x, 0.7, z));
+        }
+        camera(s, pose(0), 0.0, reflections());
+    });
+    moving_and_still(&mut headless, name, pose)
+}
+
 /// Lobes of the last frames are where the mirror image was, and are interpolated: under a camera that strafes at 3 m/s, images of
 /// pillars in a rough floor do not lag, and have no seams across them.
 #[test]
 fn rough_mirror_images_follow_a_strafing_camera() {
     in_own_process(|| {
-        let pose = |frame: usize| looking(EYE + Vec3::X * (0.05 * frame as f32 - 0.6), 0.3);
-        let mut headless = build(SIZE, |s| {
-            spawn_floor(s, metal(0.3), 0.0);
-            for x in [-1.2, -0.4, 0.4, 1.2] {
-                let pillar = Cuboid::new(0.12, 1.4, 0.12);
-                s.mesh(pillar, surface(0.0, 1.0), Transform::from_xyz(x, 0.7, -1.0));
-            }
-            camera(s, pose(0), 0.0, reflections());
-        });
-        let [moving, still] = moving_and_still(&mut headless, "strafe", pose);
+        let [moving, still] = strafe_past_pillars("strafe", 0.05, 0.3, 0.12, -1.0);
         let size = moving.light.size;
         let off = |x: u32, y: u32| {
             let at = (x + y * size.x) as usize;
@@ -254,16 +260,7 @@ fn rough_mirror_images_follow_a_strafing_camera() {
 #[test]
 fn images_in_glossy_floors_leave_no_streaks() {
     in_own_process(|| {
-        let pose = |frame: usize| looking(EYE + Vec3::X * (0.1 * frame as f32 - 1.2), 0.3);
-        let mut headless = build(SIZE, |s| {
-            spawn_floor(s, metal(0.12), 0.0);
-            for x in [-1.2, -0.4, 0.4, 1.2] {
-                let pillar = Cuboid::new(0.3, 1.4, 0.12);
-                s.mesh(pillar, surface(0.0, 1.0), Transform::from_xyz(x, 0.7, -0.5));
-            }
-            camera(s, pose(0), 0.0, reflections());
-        });
-        let [moving, still] = moving_and_still(&mut headless, "streaks", pose);
+        let [moving, still] = strafe_past_pillars("streaks", 0.1, 0.12, 0.3, -0.5);
         let size = moving.light.size;
         let is_dark = |x: u32, y: u32| {
             let near = (x.saturating_sub(6)..(x + 7).min(size.x))

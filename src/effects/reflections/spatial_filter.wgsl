@@ -10,7 +10,7 @@
     view_position,
 }
 #import bevy_lean_deferred::effects::reflections::lobes::{
-    EXACT, KNOWN, MOVED, OF_MOVERS, ALL_ALIKE, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
+    ALL_ALIKE, EXACT, KNOWN, MOVED, OF_MOVERS, exposed, has_moved, last_lobe_place, lobes_at, mean_lobe, mean_lobes,
     with_lobe,
 }
 #import bevy_lean_deferred::effects::reflections::surface::{ROUGH, lobe_width, rotated}

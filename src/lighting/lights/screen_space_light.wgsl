@@ -92,6 +92,16 @@ fn depth_in_view(place: vec2<i32>) -> f32 {
     return textureLoad(depth_texture, vec2<i32>(uniforms.viewport_origin) + nearest, 0);
 }
 
+/// Surface at a pixel.
+struct Receiver {
+    place: vec2<i32>,
+    depth: f32,
+    /// Change of depth per pixel.
+    slope: vec2<f32>,
+    /// 1 / the difference in depth up to which another pixel is of the same surface.
+    inverse_step: f32,
+}
+
 /// Sum over the four texels around a pixel.
 struct SumOfTexels {
     /// Light times weight.
@@ -99,50 +109,53 @@ struct SumOfTexels {
     weights: f32,
 }
 
-/// Adds texel `i` of the four around the pixel at `place`. It shows a pixel at this `depth`; `off` is the distance in depth of that pixel
-/// from the surface at `place`, in tolerances.
-fn add_texel(sum: ptr<function, SumOfTexels>, place: vec2<i32>, i: i32, light: vec4<f32>, depth: f32, off: f32) {
-    let is_near = (place & vec2(1)) == vec2(0);
+/// Texel `i` of the four around the pixel at `place`, clamped to the view: the texture may be larger.
+fn texel_around(place: vec2<i32>, i: i32) -> vec2<i32> {
+    // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
+    let first = (place + 1) / 2 - 1;
+    let last = (vec2<i32>(uniforms.viewport_size) + 1) / 2 - 1;
+    return clamp(first + vec2(i & 1, i >> 1u), vec2(0), last);
+}
+
+/// Adds the light of texel `i` of the four around a pixel. The texel shows the pixel `shown`.
+fn add_texel(sum: ptr<function, SumOfTexels>, receiver: Receiver, i: i32, shown: vec2<i32>, light: vec4<f32>) {
+    let is_near = (receiver.place & vec2(1)) == vec2(0);
     let near = select(vec2(0.25), vec2(0.75), (vec2(i & 1, i >> 1u) == vec2(1)) == is_near);
+    let depth = depth_in_view(shown);
+    let off = depth - receiver.depth - dot(receiver.slope, vec2<f32>(shown - receiver.place));
+    let alike = select(saturate(2.0 - abs(off) * receiver.inverse_step), 0.0, depth == 0.0);
     // The least weight keeps the sum valid where no texel matches.
-    let weight = near.x * near.y * select(saturate(2.0 - abs(off)), 0.0, depth == 0.0) + 1e-4;
+    let weight = near.x * near.y * alike + 1e-4;
     (*sum).light += weight * finite(light);
     (*sum).weights += weight;
 }
 
-/// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its 2×2 pixels.
-/// Where it shows another, alpha is negative: the number of the pixel, plus the share of the hemisphere.
+/// Interpolates the four texels around the pixel, without those that show another surface. A texel shows the first of its 2×2 pixels. If
+/// it shows another, its alpha is negative: the number of the pixel, plus the share of the hemisphere.
 fn scaled_up(place: vec2<i32>, depth: f32) -> vec4<f32> {
     let slope = vec2(
         flatter_slope(depth_in_view(place - vec2(1, 0)), depth, depth_in_view(place + vec2(1, 0))),
         flatter_slope(depth_in_view(place - vec2(0, 1)), depth, depth_in_view(place + vec2(0, 1))),
     );
     let inverse_step = 1.0 / max(2.0 * (uniforms.edge.x * depth + uniforms.edge.y), 1e-30);
-    // A texel's centre is the middle of its 2×2 pixels. `first` is the last centre before the pixel.
-    let first = (place + 1) / 2 - 1;
-    // The texture may be larger.
-    let last = (vec2<i32>(uniforms.viewport_size) + 1) / 2 - 1;
+    let receiver = Receiver(place, depth, slope, inverse_step);
     var sum: SumOfTexels;
     var least_alpha = 0.0;
     for (var i = 0; i < 4; i++) {
-        let texel = clamp(first + vec2(i & 1, i >> 1u), vec2(0), last);
+        let texel = texel_around(place, i);
         let light = textureLoad(indirect_diffuse_texture, texel, 0);
-        let other = depth_in_view(2 * texel);
-        let off = other - depth - dot(slope, vec2<f32>(2 * texel - place));
-        add_texel(&sum, place, i, light, other, off * inverse_step);
+        add_texel(&sum, receiver, i, 2 * texel, light);
         least_alpha = min(least_alpha, light.a);
     }
     if least_alpha < 0.0 {
         // In a second loop, because these depths depend on alpha: those above do not wait for it.
         sum = SumOfTexels();
         for (var i = 0; i < 4; i++) {
-            let texel = clamp(first + vec2(i & 1, i >> 1u), vec2(0), last);
+            let texel = texel_around(place, i);
             let light = textureLoad(indirect_diffuse_texture, texel, 0);
             let number = u32(max(-light.a, 0.0));
-            let pixel = 2 * texel + pixel_of_square(number & 3u);
-            let other = depth_in_view(pixel);
-            let off = other - depth - dot(slope, vec2<f32>(pixel - place));
-            add_texel(&sum, place, i, vec4(light.rgb, abs(light.a) - f32(number)), other, off * inverse_step);
+            let shown = 2 * texel + pixel_of_square(number & 3u);
+            add_texel(&sum, receiver, i, shown, vec4(light.rgb, abs(light.a) - f32(number)));
         }
     }
     return sum.light / sum.weights;
