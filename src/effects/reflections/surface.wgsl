@@ -224,7 +224,9 @@ const LAST_FOLLOWED: f32 = 4.0;
 /// at this offset, the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal
 /// Supersampling").
 fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> {
-    if level <= 0.0 {
+    // Without motion vectors, all that is known to move is what the camera's motion displaces.
+    let is_at_rest = view.has_motion == 0u && view.carries_surfaces == 0u;
+    if level <= 0.0 || is_at_rest {
         return vec2(0.0);
     }
     let pixel = vec2<i32>(place.xy);
