@@ -21,10 +21,11 @@ const KNOWN: u32 = 1u << 24u;
 const MOVED: u32 = 1u << 27u;
 
 /// Shift in a frame of this phase of the two numbers that choose a ray's direction. The sixteen rays stay evenly spread, and those of
-/// all phases are, too: each has a quarter of the first number's sixteenth, and another quarter of the second number.
-fn shift_of(phase: u32) -> vec2<f32> {
+/// all phases are, too: each has a quarter of the first number's sixteenth, and another quarter of the second number. On smooth surfaces
+/// a texel has another ray in each phase: its second number is another quarter by itself.
+fn shift_of(phase: u32, is_rough: bool) -> vec2<f32> {
     let parts = vec2(f32(phase), f32(reverseBits(phase) >> 30u)) / f32(PHASES);
-    return vec2((parts.x - 0.375) / 16.0, parts.y);
+    return vec2((parts.x - 0.375) / 16.0, select(0.0, parts.y, is_rough));
 }
 
 /// Pixels by which a mirror image is followed at most in a frame.

@@ -58,6 +58,13 @@ struct HitLight {
     moves: u32,
 }
 
+/// Number of a texel's ray among the sixteen. Those of smooth surfaces move by two texels from frame to frame: lobes are a few texels wide
+/// there, and edges would show the texels whose rays scatter the most.
+fn ray_of(texel: vec2<u32>, is_rough: bool) -> u32 {
+    let moved = select(2u * vec2(view.phase & 1u, view.phase >> 1u), vec2(0u), is_rough);
+    return rotation_index((texel + moved) & vec2(3u));
+}
+
 /// Two numbers from 0 to 1 per ray (Hammersley 1960, "Monte Carlo methods for solving multivariable problems"), shifted.
 fn numbers_of(ray: u32, shift: vec2<f32>) -> vec2<f32> {
     let pair = (vec2(f32(ray), f32(reverseBits(ray) >> 28u)) + 0.5) / f32(RAYS);
@@ -104,8 +111,9 @@ fn begin_at(texel: vec2<i32>) -> Begin {
     return begin;
 }
 
-fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
+fn trace(start: vec3<f32>, mirror: Mirror, texel: vec2<u32>) -> TraceResult {
     let is_rough = mirror.roughness > ROUGH;
+    let turn = ray_of(texel, is_rough);
     let position = view_position(start.xy, start.z);
     let to_mirror = length(position);
     let V = to_viewer(position);
@@ -114,7 +122,7 @@ fn trace(start: vec3<f32>, mirror: Mirror, turn: u32) -> TraceResult {
     // Shading normals may lean away from the viewer.
     let local = normalize(vec3(V * basis, max(dot(V, normal), 1e-3)));
     let alpha = mirror.roughness * mirror.roughness;
-    let sample = sample_lobe(local, alpha, numbers_of(turn, shift_of(view.phase)));
+    let sample = sample_lobe(local, alpha, numbers_of(turn, shift_of(view.phase, is_rough)));
     let scattered = basis * sample.direction.xy + normal * sample.direction.z;
     let direction = select(basis * -local.xy + normal * local.z, scattered, is_rough);
     var path = Path(ray_on_screen(start, position, direction, vec2<f32>(view.viewport_size)), direction, is_rough);
@@ -211,7 +219,7 @@ fn main(
     textureStore(surfaces_output, texel, vec4(begin.surface, 0u, 0u));
     var result: TraceResult;
     if begin.start.z > 0.0 {
-        result = trace(begin.start, begin.mirror, rotation_index(texel & vec2(3u)));
+        result = trace(begin.start, begin.mirror, texel);
     } else if view.shows_hits == 0u {
         // Other textures are not read here.
         return;
