@@ -119,10 +119,18 @@ struct LastPlace {
     own: f32,
 }
 
+/// Footprint of levels coarser than 0 around a place.
+struct Footprint {
+    /// Offset in pixels at which they are read.
+    shift: vec2<f32>,
+    /// True if surfaces behind the place are in it.
+    has_further: bool,
+}
+
 /// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
-/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too. `shift`: see
-/// `shift_of_nearest`.
-fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, shift: vec2<f32>) -> vec4<f32> {
+/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too. But brighter
+/// surfaces behind the place never shine through it.
+fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footprint) -> vec4<f32> {
     let at = last.at;
     // Half floats have eleven significant bits.
     let tolerance = last.tolerance + 0.001 * max(abs(last.expected.x), abs(last.expected.y));
@@ -141,8 +149,13 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, shift: vec2<f32>) 
         place = select(at, floor(at) + 0.5, most > tolerance);
         used_level = select(level, 0.0, most > tolerance && !blurs_edges);
     }
-    let coarse_place = clamp(place + shift, vec2(0.5), view.last_viewport_size - 0.5);
-    let light = mean_light(place / view.history_size, coarse_place / view.history_size, used_level) * view.exposure_ratio;
+    let coarse_place = clamp(place + footprint.shift, vec2(0.5), view.last_viewport_size - 0.5);
+    var light = mean_light(place / view.history_size, coarse_place / view.history_size, used_level);
+    if footprint.has_further && used_level > 0.0 {
+        let fine = textureLoad(history_texture, vec2<i32>(at), 0).rgb;
+        light = select(light, fine, fine.r + fine.g + fine.b < light.r + light.g + light.b);
+    }
+    light *= view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
@@ -219,15 +232,15 @@ fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
 /// Level up to which outlines are followed: those further away are of other things.
 const LAST_FOLLOWED: f32 = 4.0;
 
-/// Offset in pixels at which levels coarser than 0 are read: the motion of the nearest of four surfaces, one texel of the level away along
-/// each axis, minus the motion of `place` itself. 0 if none of them is nearer than it. Coarse levels blur the surfaces of the last frame;
-/// at this offset, the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal
-/// Supersampling").
-fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> {
-    // Without motion vectors, all that is known to move is what the camera's motion displaces.
-    let is_at_rest = view.has_motion == 0u && view.carries_surfaces == 0u;
-    if level <= 0.0 || is_at_rest {
-        return vec2(0.0);
+/// Bend of the depths around a place from which on there is another surface behind it, as a share of the largest step between pixels of one.
+const BENT: f32 = 0.25;
+
+/// Footprint around `place`, as four surfaces show it, one texel of the level away along each axis. Its offset is the motion of the nearest
+/// of them minus that of `place` itself, or 0 if none of them is nearer. Coarse levels blur the surfaces of the last frame; at this offset,
+/// the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal Supersampling").
+fn footprint_of(last: LastPlace, place: vec3<f32>, level: f32) -> Footprint {
+    if level <= 0.0 {
+        return Footprint(vec2(0.0), false);
     }
     let pixel = vec2<i32>(place.xy);
     let far = i32(ceil(exp2(clamp(level, 1.0, LAST_FOLLOWED))));
@@ -236,8 +249,14 @@ fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> 
         depth_in_view(pixel + vec2(0, far)), depth_in_view(pixel - vec2(0, far)),
     );
     let nearest = max(max(depths.x, depths.y), max(depths.z, depths.w));
-    if nearest <= place.z + edge_step(place.z, f32(far)) {
-        return vec2(0.0);
+    let tolerance = edge_step(place.z, f32(far));
+    // Depths of a plane are linear on screen.
+    let bend = 2.0 * place.z - min(depths.x + depths.y, depths.z + depths.w);
+    let has_further = bend > BENT * tolerance;
+    // Without motion vectors, all that is known to move is what the camera's motion displaces.
+    let is_at_rest = view.has_motion == 0u && view.carries_surfaces == 0u;
+    if is_at_rest || nearest <= place.z + tolerance {
+        return Footprint(vec2(0.0), has_further);
     }
     let is_horizontal = any(depths.xy == vec2(nearest));
     let is_first = select(depths.z, depths.x, is_horizontal) == nearest;
@@ -248,26 +267,27 @@ fn shift_of_nearest(last: LastPlace, place: vec3<f32>, level: f32) -> vec2<f32> 
     let shift = motion - (last.at - with_view(place.xy));
     // Further away, the last frame shows another part of the place's own surface.
     let share = saturate(2.0 - length(shift) / f32(far));
-    return select(vec2(0.0), shift * share, share > 0.0);
+    return Footprint(select(vec2(0.0), shift * share, share > 0.0), has_further);
 }
 
 /// Light in the last frame of the surface at `place` (pixels and depth) and `position` (view space). w: the weight, 0 to 1, with
 /// which that frame showed it. `level` and `blurs_edges` are those of `kept_light`.
 fn last_light(place: vec3<f32>, position: vec3<f32>, level: f32, blurs_edges: bool) -> vec4<f32> {
     let last = last_place(place, position);
-    let shift = shift_of_nearest(last, place, level);
-    var light = kept_light(last, level, blurs_edges, shift);
+    var footprint = footprint_of(last, place, level);
+    var light = kept_light(last, level, blurs_edges, footprint);
+    // Other places are beyond the outline already.
+    footprint.shift = vec2(0.0);
     if view.has_motion != 0u {
         for (var i = 0; i < STAND_INS && light.w < 1.0; i++) {
             let other = stand_in(last, place, i);
-            // Beyond the outline already.
-            var found = kept_light(other, level, blurs_edges, vec2(0.0));
+            var found = kept_light(other, level, blurs_edges, footprint);
             // At rest it is the same place.
             found.w *= saturate(other.own);
             light = filled_up(light, found);
         }
     } else if view.carries_surfaces != 0u && light.w < 1.0 {
-        light = filled_up(light, kept_light(carried_place(place, position), level, blurs_edges, vec2(0.0)));
+        light = filled_up(light, kept_light(carried_place(place, position), level, blurs_edges, footprint));
     }
     return light;
 }
