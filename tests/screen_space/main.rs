@@ -14,6 +14,7 @@ mod lamps;
 mod mirror_images;
 mod mirrors;
 mod motion;
+mod outlines;
 mod reflections;
 mod resized;
 mod scenes;

@@ -49,6 +49,8 @@ fn light_at(at: vec2<f32>, first: i32, along: vec2<f32>) -> vec4<f32> {
         let up_to = select(UNCERTAIN_UP_TO, SMOOTH_UP_TO, found.is_certain);
         let inverse_range = select(1.0 / (UNCERTAIN_FROM - UNCERTAIN_UP_TO), 1.0 / (ROUGH_FROM - SMOOTH_UP_TO), found.is_certain);
         roughness = select(smoothstep(0.0, 1.0, (radius - up_to) * inverse_range), 1.0, changes && !found.is_met);
+        // Rays around the pixel stand for light that the last frame did not show at its hit.
+        roughness = max(roughness, 1.0 - found.known);
         light = (1.0 - roughness) * found.light;
     }
     if roughness > 0.0 {

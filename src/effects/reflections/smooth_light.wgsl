@@ -37,6 +37,8 @@ struct SmoothLight {
     is_met: bool,
     /// True if the rays around hit one surface, and the pixel's own ray hits it too.
     is_certain: bool,
+    /// Share of the light at its hit that the last frame showed; 1 for a miss.
+    known: f32,
 }
 
 /// The pixel's own ray on screen, in pixels and depth: `start + along.xyz * metres / (1 + along.w * metres)`.
@@ -182,7 +184,7 @@ fn smooth_light(receiver: Receiver, first: i32) -> SmoothLight {
     }
     if !is_hit {
         // At silhouettes. Not `first`: what was read of these texels before would be in registers until here.
-        return SmoothLight(light_around(receiver, first_beside(receiver.at)), false, false);
+        return SmoothLight(light_around(receiver, first_beside(receiver.at)), false, false, 1.0);
     }
     // Not `origin + direction * mean.x`: six registers less are in use until here.
     let position = view_position(at.xy, at.z);
@@ -190,5 +192,5 @@ fn smooth_light(receiver: Receiver, first: i32) -> SmoothLight {
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
     let light = mirrored_light(at, position, level, true, to_mirror, mean.x);
     let confidence = mean.y * light.w;
-    return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain);
+    return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain, light.w);
 }
