@@ -28,7 +28,7 @@ fn further_lamps_have_the_shape_of_the_lobe() {
     in_own_process(|| {
         let floors = [
             (0.1, 0.012, 4.6),
-            (0.2, 0.012, 2.2),
+            (0.2, 0.008, 1.85),
             (0.3, 0.036, 1.7),
             (0.5, 0.102, 1.7),
         ];

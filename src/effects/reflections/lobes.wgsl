@@ -11,7 +11,7 @@
 }
 #import bevy_lean_deferred::effects::reprojection::weight_of_match
 
-/// Frames in which the rays of rough surfaces take all of their directions.
+/// Frames in which scattered rays take all of their directions.
 const PHASES: u32 = 4u;
 
 /// Bit of the newest lobe in the last of a texel's words, if it is known. Below it, that word has the confidences, eight bits each,
@@ -22,7 +22,7 @@ const MOVED: u32 = 1u << 27u;
 
 /// Shift in a frame of this phase of the two numbers that choose a ray's direction. The sixteen rays stay evenly spread, and those of
 /// all phases are, too: each has a quarter of the first number's sixteenth, and another quarter of the second number. On smooth surfaces
-/// a texel has another ray in each phase: its second number is another quarter by itself.
+/// a texel has another ray in each phase, whose second number is another quarter already.
 fn shift_of(phase: u32, is_rough: bool) -> vec2<f32> {
     let parts = vec2(f32(phase), f32(reverseBits(phase) >> 30u)) / f32(PHASES);
     return vec2((parts.x - 0.375) / 16.0, select(0.0, parts.y, is_rough));
@@ -50,7 +50,7 @@ const OF_SLOW: f32 = 0.06;
 /// From here on all lobes weigh 1.
 const ALL_ALIKE: f32 = 16.0;
 
-/// Texels within which a place is that of a single texel. At rest all are, and each texel keeps its own directions.
+/// Texels within which a place is that of a single texel. At rest all are, and each texel keeps its own lobes.
 const EXACT: f32 = 1.0 / 32.0;
 
 /// Place of a texel's lobe among those of the last frame.

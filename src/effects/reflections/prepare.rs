@@ -50,7 +50,7 @@ use crate::{
 const LARGEST_CELL: u32 = 64;
 /// Side of a workgroup, in texels when it writes lobes, and in pixels when it resolves. Same value as in `texels.wgsl`.
 pub const WORKGROUP_SIDE: u32 = 16;
-/// Frames in which the rays of rough surfaces take all of their directions. Same value as in `lobes.wgsl`.
+/// Frames in which scattered rays take all of their directions. Same value as in `lobes.wgsl`.
 pub const PHASES: u32 = 4;
 
 /// Uniforms of all views.

@@ -31,7 +31,7 @@ struct NeighborRay {
 
 /// Reflection of a pixel.
 struct SmoothLight {
-    /// Light times confidence, and confidence.
+    /// Light times confidence, and confidence, as if the last frame had shown all of it: see `known`.
     light: vec4<f32>,
     /// True if the pixel's own ray hits a surface of one of the rays around that do not change.
     is_met: bool,
@@ -191,6 +191,5 @@ fn smooth_light(receiver: Receiver, first: i32) -> SmoothLight {
     let alpha = receiver.roughness * receiver.roughness;
     let level = log2(max(2.0 * alpha * lobe_width(mean.x, -position.z), 1.0));
     let light = mirrored_light(at, position, level, true, to_mirror, mean.x);
-    let confidence = mean.y * light.w;
-    return SmoothLight(vec4(light.rgb * confidence, confidence), true, is_certain, light.w);
+    return SmoothLight(vec4(light.rgb, 1.0) * mean.y, true, is_certain, light.w);
 }

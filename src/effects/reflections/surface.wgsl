@@ -127,9 +127,9 @@ struct Footprint {
     has_further: bool,
 }
 
-/// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its
-/// distances, or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too. But brighter
-/// surfaces behind the place never shine through it.
+/// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its distances,
+/// or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too, but a place with a surface
+/// behind it in its footprint is no brighter than its own pixel.
 fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footprint) -> vec4<f32> {
     let at = last.at;
     // Half floats have eleven significant bits.
@@ -153,7 +153,8 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footpri
     var light = mean_light(place / view.history_size, coarse_place / view.history_size, used_level);
     if footprint.has_further && used_level > 0.0 {
         let fine = textureLoad(history_texture, vec2<i32>(at), 0).rgb;
-        light = select(light, fine, fine.r + fine.g + fine.b < light.r + light.g + light.b);
+        let is_darker = fine.r + fine.g + fine.b < light.r + light.g + light.b;
+        light = mix(light, fine, select(0.0, saturate(used_level), is_darker));
     }
     light *= view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
@@ -232,12 +233,13 @@ fn stand_in(last: LastPlace, place: vec3<f32>, i: i32) -> LastPlace {
 /// Level up to which outlines are followed: those further away are of other things.
 const LAST_FOLLOWED: f32 = 4.0;
 
-/// Bend of the depths around a place from which on there is another surface behind it, as a share of the largest step between pixels of one.
+/// Least bend of the depths around a place that has another surface behind it, as a share of the step that separates surfaces as far apart.
 const BENT: f32 = 0.25;
 
-/// Footprint around `place`, as four surfaces show it, one texel of the level away along each axis. Its offset is the motion of the nearest
-/// of them minus that of `place` itself, or 0 if none of them is nearer. Coarse levels blur the surfaces of the last frame; at this offset,
-/// the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal Supersampling").
+/// Footprint around `place`, as four surfaces show it, a texel of the level (at most 16 pixels) away along each axis. Its offset is the
+/// motion of the nearest of them minus that of `place` itself, or 0 if none of them is nearer. Coarse levels blur the surfaces of the last
+/// frame; at this offset, the outline of the nearest one is where this frame has it (dilation as in Karis 2014, "High-Quality Temporal
+/// Supersampling").
 fn footprint_of(last: LastPlace, place: vec3<f32>, level: f32) -> Footprint {
     if level <= 0.0 {
         return Footprint(vec2(0.0), false);
@@ -250,9 +252,12 @@ fn footprint_of(last: LastPlace, place: vec3<f32>, level: f32) -> Footprint {
     );
     let nearest = max(max(depths.x, depths.y), max(depths.z, depths.w));
     let tolerance = edge_step(place.z, f32(far));
-    // Depths of a plane are linear on screen.
-    let bend = 2.0 * place.z - min(depths.x + depths.y, depths.z + depths.w);
-    let has_further = bend > BENT * tolerance;
+    // Depths of a plane are linear on screen. Nothing is known beyond the picture, and the sky is not in coarse levels: neither bends.
+    let own = depth_in_view(pixel);
+    let room = vec2<i32>(view.viewport_size) - 1 - pixel;
+    let is_surface = vec4(room.x >= far, pixel.x >= far, room.y >= far, pixel.y >= far) & (depths > vec4(0.0));
+    let bends = select(2.0 * own - depths.yxwz, depths, is_surface);
+    let has_further = 2.0 * own - min(bends.x + bends.y, bends.z + bends.w) > BENT * tolerance;
     // Without motion vectors, all that is known to move is what the camera's motion displaces.
     let is_at_rest = view.has_motion == 0u && view.carries_surfaces == 0u;
     if is_at_rest || nearest <= place.z + tolerance {

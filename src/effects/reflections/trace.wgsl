@@ -58,8 +58,8 @@ struct HitLight {
     moves: u32,
 }
 
-/// Number of a texel's ray among the sixteen. Those of smooth surfaces move by two texels from frame to frame: lobes are a few texels wide
-/// there, and edges would show the texels whose rays scatter the most.
+/// Number of a texel's ray among the sixteen. Those of smooth surfaces move by two texels from frame to frame, so that those of one texel
+/// cover a quarter turn: with a single azimuth, edges would be hatched.
 fn ray_of(texel: vec2<u32>, is_rough: bool) -> u32 {
     let moved = select(2u * vec2(view.phase & 1u, view.phase >> 1u), vec2(0u), is_rough);
     return rotation_index((texel + moved) & vec2(3u));
@@ -140,8 +140,8 @@ fn trace(start: vec3<f32>, mirror: Mirror, texel: vec2<u32>) -> TraceResult {
         // Rays of rough surfaces march in segments from the start. Smooth ones whose steps are used up continue in segments: they are
         // few, but all others would wait for them.
         if !hit.is_hit && state.u < ray.end {
-            // Differs from that of neighbouring rays.
-            let phase = fract(f32(turn) * 0.618034);
+            // Differs from that of neighbouring rays, and is the same in each frame, because not all of these rays scatter.
+            let phase = fract(f32(rotation_index(texel & vec2(3u))) * 0.618034);
             let growth = max(view.growth * alpha, LEAST_GROWTH);
             hit = rough_march::march(ray, path.direction, growth, phase, view.rough_segments, !is_rough, &state);
         }

@@ -58,7 +58,7 @@ struct ReflectionUniform {
     exposure_ratio: f32,
     /// Temporal part of the pattern, 0 to 1; 0 without TAA.
     turn: f32,
-    /// Quarter of the directions that the rays of rough surfaces take in this frame, 0 to 3.
+    /// Quarter of the directions that scattered rays take in this frame, 0 to 3.
     phase: u32,
     /// 1 if `lobes_texture` has lobes of the last frame.
     has_lobes: u32,
