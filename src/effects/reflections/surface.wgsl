@@ -154,7 +154,7 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footpri
     if footprint.has_further && used_level > 0.0 {
         let fine = textureLoad(history_texture, vec2<i32>(at), 0).rgb;
         let is_darker = fine.r + fine.g + fine.b < light.r + light.g + light.b;
-        light = mix(light, fine, select(0.0, saturate(used_level), is_darker));
+        light = select(light, fine, is_darker);
     }
     light *= view.exposure_ratio;
     let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
@@ -252,12 +252,11 @@ fn footprint_of(last: LastPlace, place: vec3<f32>, level: f32) -> Footprint {
     );
     let nearest = max(max(depths.x, depths.y), max(depths.z, depths.w));
     let tolerance = edge_step(place.z, f32(far));
-    // Depths of a plane are linear on screen. Nothing is known beyond the picture, and the sky is not in coarse levels: neither bends.
-    let own = depth_in_view(pixel);
-    let room = vec2<i32>(view.viewport_size) - 1 - pixel;
-    let is_surface = vec4(room.x >= far, pixel.x >= far, room.y >= far, pixel.y >= far) & (depths > vec4(0.0));
-    let bends = select(2.0 * own - depths.yxwz, depths, is_surface);
-    let has_further = 2.0 * own - min(bends.x + bends.y, bends.z + bends.w) > BENT * tolerance;
+    // Depths of a plane are linear on screen. Nothing is known beyond the picture, and the sky is not in coarse levels.
+    let bends = 2.0 * depth_in_view(pixel) - vec2(depths.x + depths.y, depths.z + depths.w);
+    let is_inside = (pixel >= vec2(far)) & (pixel < vec2<i32>(view.viewport_size) - far);
+    let are_surfaces = min(depths.xz, depths.yw) > vec2(0.0);
+    let has_further = any(is_inside & are_surfaces & (bends > vec2(BENT * tolerance)));
     // Without motion vectors, all that is known to move is what the camera's motion displaces.
     let is_at_rest = view.has_motion == 0u && view.carries_surfaces == 0u;
     if is_at_rest || nearest <= place.z + tolerance {
