@@ -25,7 +25,9 @@ use kit::{
     scenes::SceneBuilder,
 };
 
-use super::scenes::{EYE, SIZE, SMALL, looking, mirrored, range, reflections, show_next};
+use super::scenes::{
+    EYE, SIZE, SMALL, looking, mirror_ray, mirrored, range, reflections, show_next,
+};
 
 /// Reflections on forward meshes too.
 fn on_forward_meshes() -> LeanScreenSpaceReflections {
@@ -120,10 +122,7 @@ fn of_sheet(seen: &Seen) -> [Vec<f32>; 2] {
     let [mut inside, mut outside] = [Vec::new(), Vec::new()];
     for (_, place, light) in seen.on_plane(Vec3::ZERO, Vec3::Y) {
         let direct = Ray3d::new(EYE, Dir3::new(place - EYE).expect("it is away"));
-        let reflected = Ray3d::new(
-            place,
-            Dir3::new(mirrored(EYE, place)).expect("it is a direction"),
-        );
+        let reflected = mirror_ray(EYE, place).expect("it is away");
         if place.x.abs().max(place.z.abs()) > 1.4 || hits(direct, of(0.06)) {
             continue;
         }

@@ -12,7 +12,7 @@ use kit::{
     own_process::in_own_process,
 };
 
-use super::scenes::{EYE, SMALL, looking, mirrored, range, reflections, show_next, spawn_floor};
+use super::scenes::{EYE, SMALL, looking, mirror_ray, range, reflections, show_next, spawn_floor};
 
 /// A floor's pixel whose mirrored ray hits one of the things on it, or not.
 struct FloorPixel {
@@ -32,7 +32,7 @@ fn floor_before(seen: &Seen, eye: Vec3, things: &[Aabb3d]) -> Vec<FloorPixel> {
     let places = seen.on_plane(Vec3::ZERO, Vec3::Y);
     let found = places.filter_map(|(pixel, place, light)| {
         let direct = Ray3d::new(eye, Dir3::new(place - eye).ok()?);
-        let reflected = Ray3d::new(place, Dir3::new(mirrored(eye, place)).ok()?);
+        let reflected = mirror_ray(eye, place)?;
         (!is_hit(direct, place.distance(eye))).then(|| FloorPixel {
             pixel,
             light,

@@ -15,7 +15,7 @@ use kit::{
 };
 
 use super::scenes::{
-    EYE, SIZE, SMALL, light_at, looking, mirrored, reflections, show_next, spawn_floor,
+    EYE, SIZE, SMALL, light_at, looking, mirror_ray, mirrored, reflections, show_next, spawn_floor,
 };
 
 #[test]
@@ -98,10 +98,9 @@ fn a_thin_pole_hides_no_more_than_itself() {
         let (mut dark, mut hidden) = (0, 0);
         for (_, place, light) in seen.on_plane(Vec3::ZERO, Vec3::Y) {
             // Excludes the pole itself and the floor beyond it.
-            let Ok(direction) = Dir3::new(mirrored(eye, place)) else {
+            let Some(ray) = mirror_ray(eye, place) else {
                 continue;
             };
-            let ray = Ray3d::new(place, direction);
             let at = ray.get_point((WALL_Z - place.z) / ray.direction.z);
             let is_on_wall = at.y > 0.1 && at.y < 2.9 && at.x.abs() < 2.8;
             if place.z <= POLE.z || !is_on_wall || light_at(&mut headless, &seen, at).is_none() {

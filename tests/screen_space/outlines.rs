@@ -1,5 +1,7 @@
 //! Outlines in glossy mirrors: of things before a bright wall, and of the wall itself.
 
+use core::ops::Range;
+
 use bevy::{math::bounding::*, prelude::*};
 use kit::{
     analytic_light::{Seen, camera, errors, surface},
@@ -8,7 +10,7 @@ use kit::{
     own_process::in_own_process,
 };
 
-use super::scenes::{EYE, looking, mirrored, reflections, show_next, spawn_floor};
+use super::scenes::{EYE, looking, mirror_ray, range, reflections, show_next, spawn_floor};
 
 const SIZE: UVec2 = UVec2::new(480, 270);
 const BALL: f32 = 0.12;
@@ -55,9 +57,14 @@ impl FloorPixel {
         self.ray.get_point(away)
     }
 
-    /// Place of the ray in the front of the wall.
-    fn on_wall(&self) -> Vec3 {
-        self.at(WALL_AT)
+    /// Height at which the ray meets the front of the wall, as a share of the wall's.
+    fn share_of_wall(&self) -> f32 {
+        self.at(WALL_AT).y / WALL.y
+    }
+
+    /// True if the ray meets the front of the wall, between these shares of its height, where nothing else is close.
+    fn is_beside_things(&self, heights: Range<f32>) -> bool {
+        (-2.1..-1.8).contains(&self.at(WALL_AT).x) && heights.contains(&self.share_of_wall())
     }
 
     fn hits(&self, ball: Vec3, radius: f32) -> bool {
@@ -72,15 +79,14 @@ impl FloorPixel {
             let beside = self.at(pillar.z);
             (beside.x - pillar.x).abs() < PILLAR.x && beside.y < PILLAR.y
         });
-        pillar && self.on_wall().y > 1.25 * WALL.y
+        pillar && self.share_of_wall() > 1.25
     }
 }
 
 fn floor_pixels(seen: &Seen) -> Vec<FloorPixel> {
     seen.on_plane(Vec3::ZERO, Vec3::Y)
         .filter_map(|(pixel, place, light)| {
-            let direction = Dir3::new(mirrored(EYE, place)).ok()?;
-            let ray = Ray3d::new(place, direction);
+            let ray = mirror_ray(EYE, place)?;
             Some(FloorPixel { pixel, ray, light })
         })
         .collect()
@@ -97,18 +103,11 @@ fn light_of(pixels: &[FloorPixel], least: usize, are: impl Fn(&FloorPixel) -> bo
     light
 }
 
-fn brightest(light: Vec<f32>) -> f32 {
-    light.into_iter().fold(0.0, f32::max)
-}
-
 /// Difference of the image of the wall's upper edge from its mean along each row of pixels (RMS).
 fn hatching(pixels: &[FloorPixel]) -> f32 {
     let edge: Vec<_> = pixels
         .iter()
-        .filter(|pixel| {
-            let at = pixel.on_wall();
-            (-2.1..-1.8).contains(&at.x) && (0.75..1.35).contains(&(at.y / WALL.y))
-        })
+        .filter(|pixel| pixel.is_beside_things(0.75..1.35))
         .collect();
     assert!(edge.len() > 500, "{} pixels", edge.len());
     let rows = edge.chunk_by(|a, b| a.pixel.y == b.pixel.y);
@@ -128,15 +127,12 @@ fn outlines_in_glossy_floors_are_clean() {
             let seen = things_before_a_wall(&mut headless, roughness);
             seen.save(&format!("outlines_{roughness}"), 1.0);
             let pixels = floor_pixels(&seen);
-            let wall = light_of(&pixels, 500, |pixel| {
-                let at = pixel.on_wall();
-                (-2.1..-1.8).contains(&at.x) && (0.2..0.7).contains(&(at.y / WALL.y))
-            });
+            let wall = light_of(&pixels, 500, |pixel| pixel.is_beside_things(0.2..0.7));
             let wall = wall.iter().sum::<f32>() / wall.len() as f32;
-            let dark = brightest(light_of(&pixels, 100, |p| p.hits(DARK_BALL, 0.6 * BALL)));
+            let dark = range(&light_of(&pixels, 100, |p| p.hits(DARK_BALL, 0.6 * BALL))).1;
             let bright = light_of(&pixels, 250, |p| p.hits(BRIGHT_BALL, 0.95 * BALL));
             let specks = bright.iter().filter(|light| **light < 1.5).count();
-            let rim = brightest(light_of(&pixels, 150, FloorPixel::is_at_a_pillar));
+            let rim = range(&light_of(&pixels, 150, FloorPixel::is_at_a_pillar)).1;
             let hatched = hatching(&pixels);
             println!(
                 "{roughness}: wall {wall:.3}, dark ball {dark:.3}, {specks} specks in the bright one, rim \

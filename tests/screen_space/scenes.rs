@@ -145,6 +145,12 @@ pub fn mirrored(eye: Vec3, place: Vec3) -> Vec3 {
     (place - eye) * Vec3::new(1.0, -1.0, 1.0)
 }
 
+/// That ray; `None` where the viewer is at the place.
+pub fn mirror_ray(eye: Vec3, place: Vec3) -> Option<Ray3d> {
+    let direction = Dir3::new(mirrored(eye, place)).ok()?;
+    Some(Ray3d::new(place, direction))
+}
+
 /// A material that glows with 1, drawn by Bevy's forward pass or by the camera's own renderer.
 pub fn glowing(forward: bool) -> StandardMaterial {
     StandardMaterial {

@@ -20,9 +20,9 @@ const KNOWN: u32 = 1u << 24u;
 /// Bit of the newest lobe in that word, if it shows something that moved on its own.
 const MOVED: u32 = 1u << 27u;
 
-/// Shift in a frame of this phase of the two numbers that choose a ray's direction. The sixteen rays stay evenly spread, and those of
-/// all phases are, too: each has a quarter of the first number's sixteenth, and another quarter of the second number. On smooth surfaces
-/// a texel has another ray in each phase, whose second number is another quarter already.
+/// Shift in a frame of this phase of the two numbers that choose a ray's direction. The sixteen rays stay evenly spread. Those of
+/// all phases are, too, on rough surfaces: each has a quarter of the first number's sixteenth, and another quarter of the second number.
+/// On smooth ones a texel has another ray in each phase, whose second number is another quarter already.
 fn shift_of(phase: u32, is_rough: bool) -> vec2<f32> {
     let parts = vec2(f32(phase), f32(reverseBits(phase) >> 30u)) / f32(PHASES);
     return vec2((parts.x - 0.375) / 16.0, select(0.0, parts.y, is_rough));
