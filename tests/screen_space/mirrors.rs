@@ -115,6 +115,47 @@ fn a_thin_pole_hides_no_more_than_itself() {
     });
 }
 
+/// The image of a wall that the camera looks along, whose depth steps far from pixel to pixel, is whole: rays do not pass between its
+/// pixels.
+#[test]
+fn walls_at_grazing_angles_are_reflected() {
+    in_own_process(|| {
+        const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
+        const WALL_X: f32 = 1.0;
+        const HEIGHT: f32 = 3.0;
+        /// Ends of the wall.
+        const ENDS: (f32, f32) = (-36.0, 4.0);
+        let (mut headless, seen) = show(SIZE, 8, |s| {
+            let plane = Plane3d::default().mesh().size(80.0, 80.0);
+            s.mesh(plane, metal(0.0), Transform::default());
+            let wall = Rectangle::new(ENDS.1 - ENDS.0, HEIGHT);
+            let middle = Vec3::new(WALL_X, 0.5 * HEIGHT, 0.5 * (ENDS.0 + ENDS.1));
+            let facing = Transform::from_translation(middle).looking_to(Vec3::X, Vec3::Y);
+            s.mesh(wall, surface(0.0, 1.0), facing);
+            camera(s, looking(EYE, 0.6), 0.0, reflections());
+        });
+        seen.save("grazing_wall", 0.8);
+        let (mut dark, mut count) = (0, 0);
+        for (_, place, light) in seen.on_plane(Vec3::ZERO, Vec3::Y) {
+            let Some(ray) = mirror_ray(EYE, place) else {
+                continue;
+            };
+            if place.x > WALL_X || ray.direction.x <= 0.0 {
+                continue;
+            }
+            let at = ray.get_point((WALL_X - place.x) / ray.direction.x);
+            // Between 7 and 2 degrees.
+            let is_grazing = (-28.0..-5.5).contains(&at.z) && (0.1..0.9 * HEIGHT).contains(&at.y);
+            if is_grazing && light_at(&mut headless, &seen, at).is_some() {
+                dark += i32::from(light < 0.5);
+                count += 1;
+            }
+        }
+        println!("{dark} of {count} pixels are dark");
+        assert!(count > 1000 && dark < 6);
+    });
+}
+
 /// Everything above a mirror is reflected in it, up to its edge.
 #[test]
 fn mirrored_edges_have_no_gaps() {

@@ -8,6 +8,9 @@
     behind, depth_in_view, edge_step, facing_viewer, homogeneous_pixel, normal_texture, view,
 }
 
+/// Steps of depth that a ray may be behind a surface seen at a grazing angle where it enters a pixel: see `crosses_steep`.
+const STEEP: f32 = 4.0;
+
 /// State of a march.
 struct MarchState {
     u: f32,
@@ -64,28 +67,60 @@ fn depth_inside(pixel: vec2<i32>, depth: f32, z: f32, direction: vec3<f32>) -> f
     return select(inside, 2.0, share == 0.0);
 }
 
-/// Intersects the ray with the plane of the depths around `pixel`. `u` is where the ray crosses the pixel, within a `span` of
-/// pixels that it did not sample. `certainty` is that of a ray that comes from behind another surface.
-fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> RayHit {
+/// Plane of the depths around a pixel.
+struct DepthPlane {
+    center: vec2<f32>,
+    depth: f32,
+    /// Depth per pixel.
+    slope: vec2<f32>,
+}
+
+fn plane_around(pixel: vec2<i32>, depth: f32) -> DepthPlane {
     let slope = vec2(
         flatter_slope(depth_in_view(pixel - vec2(1, 0)), depth, depth_in_view(pixel + vec2(1, 0))),
         flatter_slope(depth_in_view(pixel - vec2(0, 1)), depth, depth_in_view(pixel + vec2(0, 1))),
     );
-    let center = vec2<f32>(pixel) + 0.5;
-    let along = ray.step.z - dot(slope, ray.step.xy);
-    let exact = (depth + dot(slope, ray.start.xy - center) - ray.start.z) / along;
+    return DepthPlane(vec2<f32>(pixel) + 0.5, depth, slope);
+}
+
+fn depth_on(plane: DepthPlane, at: vec2<f32>) -> f32 {
+    return plane.depth + dot(plane.slope, at - plane.center);
+}
+
+/// Distance along the ray at which it crosses the plane.
+fn crossing_of(ray: Ray, plane: DepthPlane) -> f32 {
+    return (depth_on(plane, ray.start.xy) - ray.start.z) / (ray.step.z - dot(plane.slope, ray.step.xy));
+}
+
+/// True for a ray that enters the pixel at depth `z`, and has its middle at `u`, if it crosses a surface that is seen at a grazing angle:
+/// depths there step by more than `edge_step` from pixel to pixel.
+fn crosses_steep(ray: Ray, pixel: vec2<i32>, depth: f32, z: f32, u: f32) -> bool {
+    if z < depth - edge_step(depth, STEEP) {
+        return false;
+    }
+    return abs(crossing_of(ray, plane_around(pixel, depth)) - u) < 1.0;
+}
+
+/// Intersects the ray with the plane of the depths around `pixel`. `u` is where the ray crosses the pixel, within a `span` of
+/// pixels that it did not sample. `certainty` is that of a ray that comes from behind another surface.
+fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: f32) -> RayHit {
+    let plane = plane_around(pixel, depth);
+    let exact = crossing_of(ray, plane);
     let is_crossed = abs(exact - u) < 1.0 + span;
     var hit: RayHit;
     hit.is_hit = true;
     hit.u = clamp(select(u, exact, is_crossed), 0.5, ray.end);
     // Within the pixel, because the next one may show another surface.
     hit.place = vec3(ray.start.xy + ray.step.xy * clamp(hit.u, u - 0.4, u + 0.4), 0.0);
-    hit.place.z = clamp(depth + dot(slope, hit.place.xy - center), 0.5 * depth, 2.0 * depth);
+    hit.place.z = clamp(depth_on(plane, hit.place.xy), 0.5 * depth, 2.0 * depth);
     // A ray that does not cross the plane here is behind it, by its thickness at most.
     let at = ray.start + ray.step * u;
-    let inside = max(depth + dot(slope, at.xy - center) - at.z, 0.0) / max(depth - behind(depth), 1e-30);
+    let off = depth_on(plane, at.xy) - at.z;
+    let inside = max(off, 0.0) / max(depth - behind(depth), 1e-30);
     // Rays that march pixel by pixel cross it within one, others within a segment beside it.
-    let is_certain = abs(exact - u) < select(1.0, 1.0 + span, span > 1.0);
+    let is_near = abs(exact - u) < select(1.0, 1.0 + span, span > 1.0);
+    // So it does within the depths that a surface seen at a grazing angle has in a single pixel.
+    let is_certain = is_near || abs(off) < 0.5 * (abs(plane.slope.x) + abs(plane.slope.y) + abs(ray.step.z));
     // Falls steeply near 1: curved surfaces, too, are crossed outside of their planes.
     let squared = inside * inside;
     hit.certainty = select(min(certainty, saturate(1.0 - squared * squared)), 1.0, is_certain);

@@ -5,7 +5,7 @@
     behind, depth_texture, edge_step, hi_z_texture, view, view_position,
 }
 #import bevy_lean_deferred::cell::{ROWS_BEFORE_16, ROWS_BEFORE_64, largest_rows, unpack_cell}
-#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, depth_inside, ray_on_screen}
+#import bevy_lean_deferred::effects::reflections::ray::{RayHit, MarchState, crosses_steep, depth_inside, ray_on_screen}
 #import bevy_lean_deferred::screen_ray::{
     FIRST_SIDE, INTO, LAST_SIDE, Ray, STEP_OF_SIDES, at_metres, cell_ends, cell_place, cell_walk,
     larger_begins,
@@ -87,7 +87,7 @@ fn march(
                 let middle = 0.5 * (u + next);
                 // A ray that enters in front of the surface and leaves behind it crosses it, however far behind. The tolerance
                 // covers steps between pixels of one surface. Other rays come from beside the surface: its thickness decides.
-                let crosses = z > depth - edge_step(depth, 1.0);
+                let crosses = z > depth - edge_step(depth, 1.0) || crosses_steep(ray, pixel, depth, z, middle);
                 let middle_z = ray.start.z + ray.step.z * middle;
                 let inside = depth_inside(pixel, depth, select(middle_z, depth, crosses), direction);
                 if inside < 1.0 {

@@ -127,6 +127,23 @@ struct Footprint {
     has_further: bool,
 }
 
+/// Distance at a point between the centres of four texels, as gathered: exact if they show a plane.
+fn distance_between(around: vec4<f32>, along: vec2<f32>) -> f32 {
+#ifdef PROJECTION_ORTHOGRAPHIC
+    let terms = around;
+#else
+    // Linear on screen.
+    let terms = 1.0 / max(around, vec4(1e-9));
+#endif
+    let rows = mix(terms.wx, terms.zy, along.x);
+    let term = mix(rows.x, rows.y, along.y);
+#ifdef PROJECTION_ORTHOGRAPHIC
+    return term;
+#else
+    return 1.0 / term;
+#endif
+}
+
 /// Light that the last frame showed at a place of a surface. w: the weight, 0 to 1, with which it is that surface: at one of its distances,
 /// or between the two. `level` is that of the history. `blurs_edges`: coarser levels than 0 count at edges, too, but a place with a surface
 /// behind it in its footprint is no brighter than its own pixel.
@@ -157,7 +174,12 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footpri
         light = select(light, fine, is_darker);
     }
     light *= view.exposure_ratio;
-    let weight = weight_of_match(kept, last.expected.x, last.expected.y, tolerance);
+    // Surfaces seen at grazing angles are further away by more than that within a pixel: there, the distance between the texels counts.
+    let between = distance_between(around, at - 0.5 - first);
+    let weight = max(
+        weight_of_match(kept, last.expected.x, last.expected.y, tolerance),
+        weight_of_match(between, last.expected.x, last.expected.y, tolerance),
+    );
     return select(vec4(0.0), vec4(light, weight), is_inside && weight > 0.0);
 }
 
