@@ -8,6 +8,7 @@
 //! - `distance_fog.{rs,wgsl}`: Bevy's distance fog, and how to remove it.
 //! - `cell.wgsl`: the nearest and the furthest depth of cells of pixels, packed into a word.
 //! - `screen_ray.wgsl`: a ray on screen, and its walk from cell to cell.
+//! - `gathered.wgsl`: the nearest of four gathered texels, and what lies between them.
 //! - `ggx.wgsl`: samples of the GGX lobe.
 //! - `pattern.wgsl`: the 4×4 pattern in which neighbouring texels take different directions.
 //! - `tiles.{rs,wgsl}`: the 8×8 tiles of compute passes, the order of the pixels in them, and the pixels of half-resolution texels.
@@ -30,6 +31,7 @@ pub(crate) fn load(app: &mut App) {
     load_shader_library!(app, "distance_fog.wgsl");
     load_shader_library!(app, "cell.wgsl");
     load_shader_library!(app, "screen_ray.wgsl");
+    load_shader_library!(app, "gathered.wgsl");
     load_shader_library!(app, "ggx.wgsl");
     load_shader_library!(app, "horizon.wgsl");
     load_shader_library!(app, "occlusion_filter.wgsl");

@@ -120,7 +120,6 @@ fn a_thin_pole_hides_no_more_than_itself() {
 #[test]
 fn walls_at_grazing_angles_are_reflected() {
     in_own_process(|| {
-        const EYE: Vec3 = Vec3::new(0.0, 1.2, 3.0);
         const WALL_X: f32 = 1.0;
         const HEIGHT: f32 = 3.0;
         /// Ends of the wall.
@@ -140,9 +139,6 @@ fn walls_at_grazing_angles_are_reflected() {
             let Some(ray) = mirror_ray(EYE, place) else {
                 continue;
             };
-            if place.x > WALL_X || ray.direction.x <= 0.0 {
-                continue;
-            }
             let at = ray.get_point((WALL_X - place.x) / ray.direction.x);
             // Between 7 and 2 degrees.
             let is_grazing = (-28.0..-5.5).contains(&at.z) && (0.1..0.9 * HEIGHT).contains(&at.y);

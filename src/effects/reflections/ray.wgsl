@@ -119,7 +119,7 @@ fn hit_at(ray: Ray, pixel: vec2<i32>, depth: f32, u: f32, span: f32, certainty: 
     let inside = max(off, 0.0) / max(depth - behind(depth), 1e-30);
     // Rays that march pixel by pixel cross it within one, others within a segment beside it.
     let is_near = abs(exact - u) < select(1.0, 1.0 + span, span > 1.0);
-    // So it does within the depths that a surface seen at a grazing angle has in a single pixel.
+    // Within a pixel, depths of the ray and of a surface seen at a grazing angle span more than that.
     let is_certain = is_near || abs(off) < 0.5 * (abs(plane.slope.x) + abs(plane.slope.y) + abs(ray.step.z));
     // Falls steeply near 1: curved surfaces, too, are crossed outside of their planes.
     let squared = inside * inside;

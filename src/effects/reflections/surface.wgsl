@@ -6,6 +6,7 @@
     depth_in_view, edge_step, history_sampler, history_texture, motion_texture, normal_texture, specialization_texture,
     valid_mask_texture, view, view_position,
 }
+#import bevy_lean_deferred::gathered::{interpolated, largest_difference, nearest_of}
 #import bevy_lean_deferred::gbuffer::layout::specialization::{
     CLEARCOAT, UNLIT, unpack_arguments, unpack_shading_model,
 }
@@ -127,20 +128,13 @@ struct Footprint {
     has_further: bool,
 }
 
-/// Distance at a point between the centres of four texels, as gathered: exact if they show a plane.
+/// Distance at a point between four texels, of which `around` has the distances: exact if they show a plane.
 fn distance_between(around: vec4<f32>, along: vec2<f32>) -> f32 {
 #ifdef PROJECTION_ORTHOGRAPHIC
-    let terms = around;
+    return interpolated(around, along);
 #else
-    // Linear on screen.
-    let terms = 1.0 / max(around, vec4(1e-9));
-#endif
-    let rows = mix(terms.wx, terms.zy, along.x);
-    let term = mix(rows.x, rows.y, along.y);
-#ifdef PROJECTION_ORTHOGRAPHIC
-    return term;
-#else
-    return 1.0 / term;
+    // Its inverse is linear on screen.
+    return 1.0 / interpolated(1.0 / max(around, vec4(1e-9)), along);
 #endif
 }
 
@@ -154,15 +148,14 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footpri
     let is_inside = all(at >= vec2(0.0)) && all(at < view.last_viewport_size);
     // Distances of the four texels around, gathered at their common corner: near a texel's centre, rounding may select others.
     let first = floor(at - 0.5);
-    let is_second = at - 0.5 - first >= vec2(0.5);
+    let along = at - 0.5 - first;
     let around = textureGather(3, history_texture, history_sampler, (first + 1.0) / view.history_size) * view.metres_per_unit;
-    let kept = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
+    let kept = nearest_of(around, along);
     var place = at;
     var used_level = level;
     if level < 1.0 {
         // Interpolates within a surface, else takes the nearest texel.
-        let off = abs(around - kept);
-        let most = max(max(off.x, off.y), max(off.z, off.w));
+        let most = largest_difference(around, kept);
         place = select(at, floor(at) + 0.5, most > tolerance);
         used_level = select(level, 0.0, most > tolerance && !blurs_edges);
     }
@@ -174,8 +167,8 @@ fn kept_light(last: LastPlace, level: f32, blurs_edges: bool, footprint: Footpri
         light = select(light, fine, is_darker);
     }
     light *= view.exposure_ratio;
-    // Surfaces seen at grazing angles are further away by more than that within a pixel: there, the distance between the texels counts.
-    let between = distance_between(around, at - 0.5 - first);
+    // At grazing angles, distances within a pixel differ by more than the tolerance: the one between the texels counts, too.
+    let between = distance_between(around, along);
     let weight = max(
         weight_of_match(kept, last.expected.x, last.expected.y, tolerance),
         weight_of_match(between, last.expected.x, last.expected.y, tolerance),

@@ -2,6 +2,7 @@
 #define_import_path bevy_lean_deferred::lighting::forward::last_frame
 
 #ifdef FORWARD_REFLECTIONS
+#import bevy_lean_deferred::gathered::{interpolated, largest_difference, nearest_of}
 #import bevy_lean_deferred::lighting::forward::bindings::{history_sampler, history_texture, reflections}
 
 /// Above all distances, for pixels without a surface.
@@ -68,16 +69,12 @@ fn kept_surface(at: vec2<f32>) -> KeptSurface {
     // At their common corner: near a texel's centre, rounding may select others.
     let corner = (first + 1.0) / reflections.history_size;
     let around = textureGather(3, history_texture, history_sampler, corner) * reflections.metres_per_unit;
-    let is_second = along >= vec2(0.5);
-    let nearest = select(select(around.w, around.z, is_second.x), select(around.x, around.y, is_second.x), is_second.y);
-    let off = abs(around - nearest);
-    let most = max(max(off.x, off.y), max(off.z, off.w));
+    let nearest = nearest_of(around, along);
     // Half floats have eleven significant bits.
-    if most > edge_step(nearest) + 0.001 * abs(nearest) {
-        return KeptSurface(nearest, first + select(vec2(0.5), vec2(1.5), is_second));
+    if largest_difference(around, nearest) > edge_step(nearest) + 0.001 * abs(nearest) {
+        return KeptSurface(nearest, first + select(vec2(0.5), vec2(1.5), along >= vec2(0.5)));
     }
-    let mean = mix(mix(around.w, around.z, along.x), mix(around.x, around.y, along.x), along.y);
-    return KeptSurface(mean, at);
+    return KeptSurface(interpolated(around, along), at);
 }
 
 /// Mean light around a pixel of the last frame, exposed as this one, over 2 to the power of `level` pixels.
